@@ -1,0 +1,84 @@
+#include "baker/ray_visibility.hpp"
+
+#include <array>
+
+#include "baker/bounding_sphere.hpp"
+#include "baker/parallel.hpp"
+#include "format/frame.hpp"
+#include "format/hemisphere_map.hpp"
+
+namespace dfield {
+namespace {
+
+constexpr std::size_t kPacket = 16;
+
+float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, const glm::vec3& normal,
+                          const RayVisibilityOptions& options) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    const Frame frame = frame_of_normal(normal);
+    const glm::vec3 origin = position + options.normal_offset * normal;
+    const std::size_t count = options.directions.size();
+    const float even_weight = 1 / static_cast<float>(count);
+    double occlusion = 0;
+    for (std::size_t first = 0; first < count; first += kPacket) {
+        const std::size_t lanes = std::min(kPacket, count - first);
+        alignas(64) std::array<int, kPacket> valid{};
+        alignas(64) RTCRayHit16 packet;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            valid[lane] = -1;
+            set_ray(packet.ray, lane, origin, frame.to_world(options.directions[first + lane]),
+                    options.near_distance, options.max_distance);
+            clear_hit(packet.hit, lane);
+        }
+        if (options.occlusion)
+            rtcIntersect16(valid.data(), scene.get(), &context, &packet);
+        else
+            rtcOccluded16(valid.data(), scene.get(), &context, &packet.ray);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            float hit;
+            if (options.occlusion)
+                hit = packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
+                          ? 0.0f
+                          : options.occlusion(options.occlusion_data, packet.ray.tfar[lane]);
+            else
+                hit = packet.ray.tfar[lane] < 0 ? 1.0f : 0.0f;  // Embree's mark of an occluded ray
+            occlusion += hit * (options.weights.empty() ? even_weight : options.weights[first + lane]);
+        }
+    }
+    return static_cast<float>(std::clamp(1 - occlusion, 0.0, 1.0));
+}
+
+}  // namespace
+
+std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm::vec3> positions,
+                                  std::span<const glm::vec3> normals, const RayVisibilityOptions& options) {
+    std::vector<float> visibility(positions.size());
+    parallel_ranges(options.threads, positions.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            visibility[i] = receiver_visibility(scene, positions[i], normals[i], options);
+    });
+    return visibility;
+}
+
+std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads) {
+    TriangleMesh with_normals;
+    const TriangleMesh* source = &mesh;
+    if (mesh.normals.size() != mesh.positions.size()) {
+        with_normals = mesh;
+        compute_normals(with_normals);
+        source = &with_normals;
+    }
+    EmbreeScene scene(EmbreeUse::kBake);  // the result is part of a payload
+    scene.add_mesh(mesh);
+    scene.commit(threads);
+    const std::vector<glm::vec3> directions = cosine_directions(rays);
+    RayVisibilityOptions options;
+    options.directions = directions;
+    options.normal_offset = 1e-4f * smallest_enclosing_ball(mesh).radius;
+    options.threads = threads;
+    return ray_visibility(scene, source->positions, source->normals, options);
+}
+
+}  // namespace dfield

@@ -1,0 +1,37 @@
+// Visibility of receivers by ray casting: the reference that lookups are judged by, and the way in which an
+// object's occlusion by itself is baked.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "baker/embree_scene.hpp"
+#include "baker/mesh.hpp"
+
+namespace dfield {
+
+struct RayVisibilityOptions {
+    std::span<const glm::vec3> directions;  // around +z, each of weight 1 / size, unless `weights` is given
+    std::span<const float> weights;         // empty, or one a direction, summing to 1
+    float near_distance = 0;                // rays start here
+    float normal_offset = 0;                // receivers are first moved this far along their normal
+    // Occlusion by distance; empty: any hit counts 1. Otherwise the first hit's distance is handed to it.
+    float (*occlusion)(const void* data, float distance) = nullptr;
+    const void* occlusion_data = nullptr;
+    float max_distance = std::numeric_limits<float>::infinity();
+    int threads = 0;
+};
+
+// One value a receiver, 1 = open. Directions are turned into the receiver's frame by the frame rule. Normals
+// are unit.
+std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm::vec3> positions,
+                                  std::span<const glm::vec3> normals, const RayVisibilityOptions& options);
+
+// Visibility of a mesh's own vertices past the mesh itself, by `rays` cosine-weighted rays. Vertices start
+// 1e-4 of the bounding radius above the surface. A mesh without normals gets angle-weighted ones.
+std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads);
+
+}  // namespace dfield

@@ -1,0 +1,113 @@
+#include "ao.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "format/frame.hpp"
+#include "format/hemisphere_map.hpp"
+#include "status.hpp"
+
+dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
+    : Shared(context),
+      ray_count(desc.ray_count),
+      falloff(static_cast<dfield_falloff>(desc.falloff)),
+      max_distance(desc.max_distance),
+      unbounded(desc.max_distance == std::numeric_limits<float>::infinity()),
+      bias(desc.bias),
+      x(context),
+      y(context),
+      z(context),
+      directions(context),
+      rate_(desc.falloff_rate),
+      exponential_end_(std::exp(-desc.falloff_rate)),
+      exponential_scale_(1 / (1 - exponential_end_)),
+      table_(context) {
+    for (const glm::vec3& w : dfield::cosine_directions(desc.ray_count)) {
+        x.push_back(w.x);
+        y.push_back(w.y);
+        z.push_back(w.z);
+        directions.insert(directions.end(), {w.x, w.y, w.z});
+    }
+    if (falloff == DFIELD_FALLOFF_TABLE)
+        table_.assign(desc.falloff_table, desc.falloff_table + desc.falloff_table_size);
+}
+
+float dfield_ao::occlusion(float distance) const {
+    if (!(distance < max_distance))
+        return unbounded && distance < std::numeric_limits<float>::infinity() ? 1 : 0;
+    const float u = std::max(distance, 0.0f) / max_distance;
+    switch (falloff) {
+        case DFIELD_FALLOFF_LINEAR:
+            return 1 - u;
+        case DFIELD_FALLOFF_SMOOTH:
+            return 1 - u * u * (3 - 2 * u);
+        case DFIELD_FALLOFF_EXPONENTIAL:
+            return (std::exp(-rate_ * u) - exponential_end_) * exponential_scale_;
+        case DFIELD_FALLOFF_TABLE: {
+            const float position = u * static_cast<float>(table_.size() - 1);
+            const std::size_t i = std::min(static_cast<std::size_t>(position), table_.size() - 2);
+            const float rest = position - static_cast<float>(i);
+            return 1 - (table_[i] + (table_[i + 1] - table_[i]) * rest);
+        }
+        default:
+            return 1;
+    }
+}
+
+extern "C" {
+
+void dfield_ao_desc_init(dfield_ao_desc* desc) {
+    if (!desc) return;
+    *desc = {};
+    desc->struct_size = sizeof(dfield_ao_desc);
+    desc->ray_count = 256;
+    desc->falloff = DFIELD_FALLOFF_NONE;
+    desc->max_distance = std::numeric_limits<float>::infinity();
+    desc->falloff_rate = 3;
+}
+
+dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* desc, dfield_ao** ao) {
+    using dfield::runtime::require;
+    return dfield::runtime::guarded([&] {
+        require(context && desc && ao, "dfield_ao_create: context, desc or ao is null");
+        require(desc->struct_size == sizeof(dfield_ao_desc),
+                "dfield_ao_create: desc->struct_size is not sizeof(dfield_ao_desc); call dfield_ao_desc_init "
+                "first");
+        require(desc->ray_count >= 1 && desc->ray_count <= 65536,
+                "dfield_ao_create: ray_count is outside 1..65536");
+        require(desc->falloff <= DFIELD_FALLOFF_TABLE, "dfield_ao_create: unknown falloff");
+        require(desc->max_distance > 0,
+                "dfield_ao_create: max_distance must be above 0 (INFINITY for unbounded)");
+        require(desc->falloff == DFIELD_FALLOFF_NONE || std::isfinite(desc->max_distance),
+                "dfield_ao_create: a falloff needs a finite max_distance");
+        require(desc->bias >= 0 && std::isfinite(desc->bias), "dfield_ao_create: bias must be 0 or above");
+        if (desc->falloff == DFIELD_FALLOFF_EXPONENTIAL)
+            require(desc->falloff_rate >= 1e-3f && desc->falloff_rate <= 80,
+                    "dfield_ao_create: falloff_rate is outside 0.001..80");
+        if (desc->falloff == DFIELD_FALLOFF_TABLE) {
+            require(desc->falloff_table && desc->falloff_table_size >= 2 && desc->falloff_table_size <= 65536,
+                    "dfield_ao_create: the falloff table needs 2..65536 entries");
+            require(std::all_of(desc->falloff_table, desc->falloff_table + desc->falloff_table_size,
+                                [](float v) { return v >= 0 && v <= 1; }),
+                    "dfield_ao_create: the falloff table holds a value outside 0..1");
+        }
+        *ao = dfield_ao::make(context, *desc);
+    });
+}
+
+void dfield_ao_release(dfield_ao* ao) {
+    if (ao) ao->release();
+}
+
+const float* dfield_ao_get_directions(const dfield_ao* ao) {
+    return ao ? ao->directions.data() : nullptr;
+}
+
+void dfield_frame(const float normal[3], float tangent[3], float bitangent[3]) {
+    const dfield::Frame frame = dfield::frame_of_normal({normal[0], normal[1], normal[2]});
+    for (int axis = 0; axis < 3; ++axis) {
+        tangent[axis] = frame.tangent[axis];
+        bitangent[axis] = frame.bitangent[axis];
+    }
+}
+}

@@ -1,0 +1,61 @@
+#include "context.hpp"
+
+#include <cstdlib>
+#include <new>
+
+#include "status.hpp"
+
+void* dfield_context::do_allocate(std::size_t size, std::size_t alignment) {
+    void* memory = hooks.allocate ? hooks.allocate(hooks.user, size, alignment)
+                                  : ::operator new (size, std::align_val_t{alignment}, std::nothrow);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+
+void dfield_context::do_deallocate(void* memory, std::size_t size, std::size_t alignment) {
+    if (hooks.deallocate)
+        hooks.deallocate(hooks.user, memory, size, alignment);
+    else
+        ::operator delete (memory, std::align_val_t{alignment});
+}
+
+void dfield_context::release() noexcept {
+    if (references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    // The context lies in the memory of its own hooks: copy them out before it ends.
+    const dfield_context_desc copy = hooks;
+    this->~dfield_context();
+    if (copy.deallocate)
+        copy.deallocate(copy.user, this, sizeof(dfield_context), alignof(dfield_context));
+    else
+        ::operator delete (this, std::align_val_t{alignof(dfield_context)});
+}
+
+extern "C" {
+
+dfield_status dfield_context_create(const dfield_context_desc* desc, dfield_context** context) {
+    return dfield::runtime::guarded([&] {
+        using dfield::runtime::require;
+        require(context, "dfield_context_create: context is null");
+        dfield_context_desc hooks{};
+        if (desc) {
+            require(desc->struct_size == sizeof(dfield_context_desc),
+                    "dfield_context_create: desc->struct_size is not sizeof(dfield_context_desc); header and "
+                    "library "
+                    "are of different versions, or the field was not set");
+            require(!desc->allocate == !desc->deallocate,
+                    "dfield_context_create: set both allocate and deallocate, or neither");
+            hooks = *desc;
+        }
+        void* memory = hooks.allocate
+                           ? hooks.allocate(hooks.user, sizeof(dfield_context), alignof(dfield_context))
+                           : ::operator new (sizeof(dfield_context),
+                                             std::align_val_t{alignof(dfield_context)}, std::nothrow);
+        if (!memory) throw std::bad_alloc();
+        *context = new (memory) dfield_context(hooks);
+    });
+}
+
+void dfield_context_release(dfield_context* context) {
+    if (context) context->release();
+}
+}

@@ -1,0 +1,113 @@
+#include "field.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "format/file.hpp"
+#include "format/sphere_points.hpp"
+#include "status.hpp"
+
+dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> bytes)
+    : Shared(context),
+      maps(dfield::read_field(bytes, {}, context)),
+      points(context),
+      map_stride(dfield::map_bytes(maps.parameters)),
+      self_visibility(context) {
+    const auto samples = dfield::sphere_points(maps.parameters.positions, maps.parameters.subdivision);
+    points.assign(samples.begin(), samples.end());
+    self_visibility.reserve(maps.self_visibility.size());
+    for (const std::uint16_t value : maps.self_visibility)
+        self_visibility.push_back(static_cast<float>(value) / 65535.0f);
+    maps.self_visibility.clear();
+    maps.self_visibility.shrink_to_fit();
+}
+
+std::uint64_t dfield_field::memory_bytes() const {
+    return sizeof(*this) + maps.texels.capacity() + maps.mean_depth.capacity() * sizeof(std::uint16_t) +
+           points.capacity() * sizeof(glm::vec3) + self_visibility.capacity() * sizeof(float) +
+           maps.provenance.capacity();
+}
+
+namespace dfield::runtime {
+namespace {
+
+std::pmr::vector<std::byte> read_whole(const char* path, std::pmr::memory_resource* memory) {
+    const std::filesystem::path name(reinterpret_cast<const char8_t*>(path));
+    std::ifstream file(name, std::ios::binary | std::ios::ate);
+    if (!file)
+        throw Failure{DFIELD_FILE_ERROR,
+                      std::string(path) + ": cannot be opened; check that it exists and can be read"};
+    const std::streamoff size = file.tellg();
+    if (size < 0) throw Failure{DFIELD_FILE_ERROR, std::string(path) + ": is no regular file"};
+    std::pmr::vector<std::byte> bytes(static_cast<std::size_t>(size), memory);
+    file.seekg(0);
+    if (size > 0 && !file.read(reinterpret_cast<char*>(bytes.data()), size))
+        throw Failure{DFIELD_FILE_ERROR, std::string(path) + ": reading failed"};
+    return bytes;
+}
+
+}  // namespace
+}  // namespace dfield::runtime
+
+extern "C" {
+
+dfield_status dfield_field_load_memory(dfield_context* context, const void* bytes, size_t size,
+                                       dfield_field** field) {
+    return dfield::runtime::guarded([&] {
+        using dfield::runtime::require;
+        require(context && field, "dfield_field_load_memory: context or field is null");
+        require(bytes || size == 0, "dfield_field_load_memory: bytes is null");
+        *field = dfield_field::make(context, std::span(static_cast<const std::byte*>(bytes), size));
+    });
+}
+
+dfield_status dfield_field_load_file(dfield_context* context, const char* path, dfield_field** field) {
+    return dfield::runtime::guarded([&] {
+        using namespace dfield::runtime;
+        require(context && path && field, "dfield_field_load_file: context, path or field is null");
+        const auto bytes = read_whole(path, context);
+        try {
+            *field = dfield_field::make(context, std::span<const std::byte>(bytes));
+        } catch (const dfield::FormatError& error) {
+            throw dfield::FormatError(error.code(), std::string(path) + ": " + error.what());
+        }
+    });
+}
+
+void dfield_field_retain(dfield_field* field) {
+    if (field) field->retain();
+}
+
+void dfield_field_release(dfield_field* field) {
+    if (field) field->release();
+}
+
+dfield_status dfield_field_get_info(const dfield_field* field, dfield_field_info* info) {
+    return dfield::runtime::guarded([&] {
+        dfield::runtime::require(field && info, "dfield_field_get_info: field or info is null");
+        const dfield::DisplacementField& maps = field->maps;
+        dfield_field_info result{};
+        result.positions = static_cast<std::uint32_t>(maps.parameters.positions);
+        result.subdivision = maps.parameters.subdivision;
+        result.position_count = static_cast<std::uint32_t>(field->points.size());
+        result.mapping = static_cast<std::uint32_t>(maps.parameters.mapping);
+        result.map_size = maps.parameters.map_size;
+        result.bits = maps.parameters.bits;
+        for (int axis = 0; axis < 3; ++axis) {
+            result.centre[axis] = maps.centre[axis];
+            result.bounds_min[axis] = maps.bounds_min[axis];
+            result.bounds_max[axis] = maps.bounds_max[axis];
+        }
+        result.radius = maps.radius;
+        result.memory_bytes = field->memory_bytes();
+        result.self_vertex_count = field->self_visibility.size();
+        *info = result;
+    });
+}
+
+const float* dfield_field_get_self_visibility(const dfield_field* field) {
+    return field && !field->self_visibility.empty() ? field->self_visibility.data() : nullptr;
+}
+}
