@@ -19,16 +19,6 @@ struct Device {
     std::string instruction_set;
 };
 
-std::string bake_instruction_set() {
-    // For the test that bakes with every instruction set of this machine and compares the payloads.
-    if (const char* forced = std::getenv("DFIELD_BAKE_ISA")) return forced;
-#if defined(__x86_64__) || defined(_M_X64)
-    return "sse4.2";
-#else
-    return {};
-#endif
-}
-
 const Device& device_for(EmbreeUse use) {
     static std::mutex mutex;
     static std::map<std::string, Device> devices;
@@ -48,6 +38,16 @@ const Device& device_for(EmbreeUse use) {
 }
 
 }  // namespace
+
+std::string bake_instruction_set() {
+    // For the test that bakes with every instruction set of this machine and compares the payloads.
+    if (const char* forced = std::getenv("DFIELD_BAKE_ISA")) return forced;
+#if defined(__x86_64__) || defined(_M_X64)
+    return "sse4.2";
+#else
+    return {};
+#endif
+}
 
 EmbreeScene::EmbreeScene(EmbreeUse use) : use_(use) {
     const Device& device = device_for(use);

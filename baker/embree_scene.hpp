@@ -18,6 +18,9 @@ enum class EmbreeUse {
             // reference AO
 };
 
+// The instruction set that bakes are traced with; recorded in provenance.
+std::string bake_instruction_set();
+
 class EmbreeScene {
   public:
     explicit EmbreeScene(EmbreeUse use);

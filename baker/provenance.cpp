@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "baker/hash.hpp"
+
 namespace dfield {
 
 const char* name_of(Positions positions) {
@@ -33,7 +35,11 @@ std::string provenance_json(const TriangleMesh& mesh, const BakeOptions& options
                           {"mapping", name_of(parameters.mapping)},
                           {"map_size", parameters.map_size},
                           {"bits", parameters.bits}};
-    if (options.self_visibility) json["parameters"]["self_rays"] = options.self_rays;
+    if (options.self_visibility) {
+        json["parameters"]["self_rays"] = options.self_rays;
+        json["mesh"]["normal_hash"] =
+            ContentHash().add(mesh.normals.data(), mesh.normals.size() * sizeof(glm::vec3)).hex();
+    }
     json["embree"] = {{"version", RTC_VERSION_STRING}, {"instruction_set", instruction_set}};
     return json.dump();
 }

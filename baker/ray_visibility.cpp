@@ -12,6 +12,16 @@ namespace {
 
 constexpr std::size_t kPacket = 16;
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float ground_distance(std::span<const float> plane, const glm::vec3& origin, const glm::vec3& direction) {
+    if (plane.empty()) return kInfinity;
+    const glm::vec3 normal(plane[0], plane[1], plane[2]);
+    const float approach = glm::dot(normal, direction);
+    if (!(approach < 0)) return kInfinity;
+    return std::max(glm::dot(normal, origin) - plane[3], 0.0f) / -approach;
+}
+
 float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, const glm::vec3& normal,
                           const RayVisibilityOptions& options) {
     RTCIntersectContext context;
@@ -37,13 +47,17 @@ float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, c
         else
             rtcOccluded16(valid.data(), scene.get(), &context, &packet.ray);
         for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const glm::vec3 direction(packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]);
+            const float ground = ground_distance(options.ground, origin, direction);
             float hit;
-            if (options.occlusion)
-                hit = packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID
-                          ? 0.0f
-                          : options.occlusion(options.occlusion_data, packet.ray.tfar[lane]);
-            else
-                hit = packet.ray.tfar[lane] < 0 ? 1.0f : 0.0f;  // Embree's mark of an occluded ray
+            if (options.occlusion) {
+                const bool none = packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID;
+                const float distance = std::min(ground, none ? kInfinity : packet.ray.tfar[lane]);
+                hit = distance < kInfinity ? options.occlusion(options.occlusion_data, distance) : 0.0f;
+            } else {  // a negative tfar is Embree's mark of an occluded ray
+                const bool under = ground < kInfinity && ground <= options.max_distance;
+                hit = packet.ray.tfar[lane] < 0 || under ? 1.0f : 0.0f;
+            }
             occlusion += hit * (options.weights.empty() ? even_weight : options.weights[first + lane]);
         }
     }
@@ -76,7 +90,7 @@ std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays,
     const std::vector<glm::vec3> directions = cosine_directions(rays);
     RayVisibilityOptions options;
     options.directions = directions;
-    options.normal_offset = 1e-4f * smallest_enclosing_ball(mesh).radius;
+    options.normal_offset = kSelfOffset * smallest_enclosing_ball(mesh).radius;
     options.threads = threads;
     return ray_visibility(scene, source->positions, source->normals, options);
 }

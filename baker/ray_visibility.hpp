@@ -22,8 +22,13 @@ struct RayVisibilityOptions {
     float (*occlusion)(const void* data, float distance) = nullptr;
     const void* occlusion_data = nullptr;
     float max_distance = std::numeric_limits<float>::infinity();
+    std::span<const float>
+        ground;  // empty, or n.x n.y n.z d: solid ground below n.p = d, as dfield.h states it
     int threads = 0;
 };
+
+// How far vertices are lifted off their own surface, in bounding radii, before rays leave them.
+inline constexpr float kSelfOffset = 1e-4f;
 
 // One value a receiver, 1 = open. Directions are turned into the receiver's frame by the frame rule. Normals
 // are unit.

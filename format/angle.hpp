@@ -7,7 +7,8 @@
 
 namespace dfield {
 
-// atan(x) * 2/pi for x in [-1, 1]: the fraction of a quarter turn. Odd minimax polynomial, |error| < 1.1e-6 quarter turns.
+// atan(x) * 2/pi for x in [-1, 1]: the fraction of a quarter turn. Odd minimax polynomial, |error| < 1.1e-6
+// quarter turns.
 inline float quarter_turns_of_slope(float x) {
     const float y = x * x;
     return x * (0.636605296f +

@@ -73,8 +73,8 @@ struct DisplacementField {
     // divided by 2R, times 65535, rounded. 0 where the map has no hit. Empty at other bit depths.
     std::pmr::vector<std::uint16_t> mean_depth;
 
-    // Optional: visibility of the object's own vertices past the object itself (1 = open), times 65535, in the
-    // order of the imported mesh's vertices. Empty when not baked.
+    // Optional: visibility of the object's own vertices past the object itself (1 = open), times 65535, in
+    // the order of the imported mesh's vertices. Empty when not baked.
     std::pmr::vector<std::uint16_t> self_visibility;
 
     // JSON text: mesh hash, parameters, versions of the tools. No times, no paths. May be empty.

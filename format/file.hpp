@@ -19,7 +19,8 @@ enum class FormatErrorCode : std::uint32_t;
 // Thrown by read_field. what() says what is wrong, where (byte offset) and what to do.
 class FormatError : public std::runtime_error {
   public:
-    FormatError(FormatErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    FormatError(FormatErrorCode code, const std::string& message)
+        : std::runtime_error(message), code_(code) {}
     FormatErrorCode code() const { return code_; }
 
   private:
@@ -27,7 +28,9 @@ class FormatError : public std::runtime_error {
 };
 
 struct ReadLimits {
-    std::uint64_t max_texel_bytes = kMaxTexelBytes;  // an engine may lower it
+    // An engine may lower them; kMaxTexelBytes and kMaxSelfVertices hold in any case.
+    std::uint64_t max_texel_bytes = kMaxTexelBytes;
+    std::uint64_t max_self_vertices = kMaxSelfVertices;
 };
 
 // One result of validation. Errors make read_field refuse the file; warnings do not.
@@ -63,8 +66,8 @@ FileInfo read_file_info(std::span<const std::byte> bytes);
 // Everything that is wrong with a file, as far as checks can go on after the first error.
 std::vector<Finding> validate_file(std::span<const std::byte> bytes, const ReadLimits& limits = {});
 
-// XXH3-128 of the parameters, bounds and uncompressed sections texels, mean depth and self visibility as 32 hex
-// digits: equal for equal bakes, whatever the zstd version.
+// XXH3-128 of the parameters, bounds and uncompressed sections texels, mean depth and self visibility as 32
+// hex digits: equal for equal bakes, whatever the zstd version.
 std::string payload_hash(const DisplacementField& field);
 
 }  // namespace dfield

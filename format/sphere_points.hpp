@@ -64,7 +64,7 @@ inline std::uint32_t nearest_slater(const SlaterRings& rings, const glm::vec3* p
 }
 
 // The cell of the latitude-longitude grid that holds the point. Not the nearest sample towards the poles,
-// where columns crowd (that is why the paper drops this layout); within 1.5 of its distance.
+// where columns crowd (that is why the paper drops this layout); within 1.1 times its distance.
 inline std::uint32_t nearest_latlong(const LatlongGrid& grid, const glm::vec3& q) {
     const float polar =
         quarter_turns(q.z, std::sqrt(q.x * q.x + q.y * q.y));  // theta in [0, 2] quarter turns

@@ -17,16 +17,24 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
       x(context),
       y(context),
       z(context),
+      weights(context),
       directions(context),
+      even_weight_(1 / static_cast<float>(desc.ray_count)),
       rate_(desc.falloff_rate),
       exponential_end_(std::exp(-desc.falloff_rate)),
       exponential_scale_(1 / (1 - exponential_end_)),
       table_(context) {
-    for (const glm::vec3& w : dfield::cosine_directions(desc.ray_count)) {
-        x.push_back(w.x);
-        y.push_back(w.y);
-        z.push_back(w.z);
-        directions.insert(directions.end(), {w.x, w.y, w.z});
+    if (desc.directions) {
+        directions.assign(desc.directions, desc.directions + 3 * ray_count);
+        if (desc.weights) weights.assign(desc.weights, desc.weights + ray_count);
+    } else {
+        for (const glm::vec3& w : dfield::cosine_directions(desc.ray_count))
+            directions.insert(directions.end(), {w.x, w.y, w.z});
+    }
+    for (std::size_t r = 0; r < ray_count; ++r) {
+        x.push_back(directions[3 * r]);
+        y.push_back(directions[3 * r + 1]);
+        z.push_back(directions[3 * r + 2]);
     }
     if (falloff == DFIELD_FALLOFF_TABLE)
         table_.assign(desc.falloff_table, desc.falloff_table + desc.falloff_table_size);
@@ -53,6 +61,27 @@ float dfield_ao::occlusion(float distance) const {
             return 1;
     }
 }
+
+namespace {
+
+// Directions and weights as the header asks for, to the accuracy of floats.
+void require_directions(const dfield_ao_desc& desc) {
+    using dfield::runtime::require;
+    double sum = 0;
+    for (std::size_t r = 0; r < desc.ray_count; ++r) {
+        const float* w = desc.directions + 3 * r;
+        const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+        require(std::fabs(square - 1) < 1e-3f && w[2] >= 0,
+                "dfield_ao_create: a direction is not unit or lies below the horizon (z < 0)");
+        if (!desc.weights) continue;
+        require(desc.weights[r] >= 0 && desc.weights[r] <= 1.001f,
+                "dfield_ao_create: a weight is outside 0..1");
+        sum += desc.weights[r];
+    }
+    require(!desc.weights || std::fabs(sum - 1) < 1e-3, "dfield_ao_create: the weights do not sum to 1");
+}
+
+}  // namespace
 
 extern "C" {
 
@@ -91,6 +120,8 @@ dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* de
                                 [](float v) { return v >= 0 && v <= 1; }),
                     "dfield_ao_create: the falloff table holds a value outside 0..1");
         }
+        if (desc->directions) require_directions(*desc);
+        require(desc->directions || !desc->weights, "dfield_ao_create: weights need directions");
         *ao = dfield_ao::make(context, *desc);
     });
 }
@@ -101,6 +132,10 @@ void dfield_ao_release(dfield_ao* ao) {
 
 const float* dfield_ao_get_directions(const dfield_ao* ao) {
     return ao ? ao->directions.data() : nullptr;
+}
+
+float dfield_ao_get_occlusion(const dfield_ao* ao, float distance) {
+    return ao ? ao->occlusion(distance) : 0;
 }
 
 void dfield_frame(const float normal[3], float tangent[3], float bitangent[3]) {

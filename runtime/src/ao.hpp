@@ -14,6 +14,9 @@ struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     // distance.
     float occlusion(float distance) const;
 
+    // Weight of ray r in the integral.
+    float weight(std::size_t r) const { return weights.empty() ? even_weight_ : weights[r]; }
+
     // Only whether a ray hits matters, not where.
     bool any_hit() const { return unbounded && falloff == DFIELD_FALLOFF_NONE; }
 
@@ -23,9 +26,11 @@ struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     bool unbounded;
     float bias;
     std::pmr::vector<float> x, y, z;     // directions around +z, one array an axis
+    std::pmr::vector<float> weights;     // empty: even
     std::pmr::vector<float> directions;  // the same, interleaved, for the caller
 
   private:
+    float even_weight_;
     float rate_, exponential_end_, exponential_scale_;
     std::pmr::vector<float> table_;
 };

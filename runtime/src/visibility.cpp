@@ -118,9 +118,10 @@ void add_ground(const Plane& ground, const dfield_ao& ao, const Receiver& receiv
     }
 }
 
-float visibility_of(const dfield_scene& scene, const dfield_ao& ao, const Receiver& receiver,
-                    dfield_instance owner) {
-    float occlusion = 0;
+// Hands the nearest hits of each block of a receiver's rays to `consume`(first ray, count, nearest).
+template<class Consume>
+void for_blocks(const dfield_scene& scene, const dfield_ao& ao, const Receiver& receiver,
+                dfield_instance owner, const Consume& consume) {
     for (std::size_t begin = 0; begin < ao.ray_count; begin += kBlock) {
         const std::size_t count = std::min(kBlock, ao.ray_count - begin);
         Nearest nearest;
@@ -128,42 +129,107 @@ float visibility_of(const dfield_scene& scene, const dfield_ao& ao, const Receiv
         if (scene.ground) add_ground(*scene.ground, ao, receiver, begin, count, nearest);
         for (const dfield_instance id : scene.active)
             if (id != owner) add_instance(scene.instances[id], ao, receiver, begin, count, nearest);
-        if (ao.any_hit())
-            occlusion += static_cast<float>(std::count_if(nearest.begin(), nearest.begin() + count,
-                                                          [](float t) { return t < kInfinity; }));
-        else
-            for (std::size_t i = 0; i < count; ++i) occlusion += ao.occlusion(nearest[i]);
+        consume(begin, count, nearest);
     }
-    return std::clamp(1 - occlusion / static_cast<float>(ao.ray_count), 0.0f, 1.0f);
+}
+
+float visibility_of(const dfield_scene& scene, const dfield_ao& ao, const Receiver& receiver,
+                    dfield_instance owner) {
+    float occlusion = 0;
+    for_blocks(scene, ao, receiver, owner, [&](std::size_t begin, std::size_t count, const Nearest& nearest) {
+        if (ao.any_hit() && ao.weights.empty())
+            occlusion += static_cast<float>(std::count_if(nearest.begin(), nearest.begin() + count,
+                                                          [](float t) { return t < kInfinity; })) *
+                         ao.weight(0);
+        else
+            for (std::size_t i = 0; i < count; ++i)
+                occlusion += ao.weight(begin + i) * ao.occlusion(nearest[i]);
+    });
+    return std::clamp(1 - occlusion, 0.0f, 1.0f);
+}
+
+void mask_of(const dfield_scene& scene, const dfield_ao& ao, const Receiver& receiver, dfield_instance owner,
+             std::uint32_t* mask) {
+    for_blocks(scene, ao, receiver, owner, [&](std::size_t begin, std::size_t count, const Nearest& nearest) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const bool blocked = nearest[i] < kInfinity && nearest[i] <= ao.max_distance;
+            mask[(begin + i) >> 5] |= std::uint32_t{blocked} << ((begin + i) & 31);
+        }
+    });
+}
+
+// Runs answer(i, receiver, owner) for every receiver, or refuse(i) where position or normal are unusable.
+template<class Answer, class Refuse>
+void for_receivers(const dfield_scene& scene, const dfield_receivers& receivers, const Answer& answer,
+                   const Refuse& refuse) {
+    const Strided<const float> positions(receivers.positions, receivers.position_stride, 3);
+    const Strided<const float> normals(receivers.normals, receivers.normal_stride, 3);
+    const Strided<const dfield_instance> owners(receivers.owners, receivers.owner_stride, 1);
+    scene.context()->for_ranges(receivers.count, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const glm::vec3 position = positions.vec3(i), normal = normals.vec3(i);
+            const float length = std::sqrt(glm::dot(normal, normal));
+            if (finite(position) && std::isfinite(length) && length > 0)
+                answer(i, Receiver{position, dfield::frame_of_normal(normal / length)},
+                       owners ? *owners.at(i) : DFIELD_NO_INSTANCE);
+            else
+                refuse(i);
+        }
+    });
+}
+
+void require_receivers(const dfield_scene* scene, const dfield_ao* ao, const dfield_receivers* receivers,
+                       const void* output) {
+    require(scene && ao && receivers && output, "scene, ao, receivers or the output is null");
+    require(receivers->count == 0 || (receivers->positions && receivers->normals),
+            "the receivers' positions or normals are null");
 }
 
 }  // namespace
 }  // namespace dfield::runtime
 
-extern "C" dfield_status dfield_scene_visibility(const dfield_scene* scene, const dfield_ao* ao,
-                                                 const dfield_receivers* receivers, float* visibility,
-                                                 size_t visibility_stride) {
+extern "C" {
+
+dfield_status dfield_scene_visibility(const dfield_scene* scene, const dfield_ao* ao,
+                                      const dfield_receivers* receivers, float* visibility,
+                                      size_t visibility_stride) {
     using namespace dfield::runtime;
     return guarded([&] {
-        require(scene && ao && receivers && visibility,
-                "dfield_scene_visibility: scene, ao, receivers or visibility is null");
-        require(receivers->count == 0 || (receivers->positions && receivers->normals),
-                "dfield_scene_visibility: the receivers' positions or normals are null");
-        const Strided<const float> positions(receivers->positions, receivers->position_stride, 3);
-        const Strided<const float> normals(receivers->normals, receivers->normal_stride, 3);
-        const Strided<const dfield_instance> owners(receivers->owners, receivers->owner_stride, 1);
+        require_receivers(scene, ao, receivers, visibility);
         const Strided<const float> self(receivers->self_visibility, receivers->self_visibility_stride, 1);
         const Strided<float> output(visibility, visibility_stride, 1);
-        scene->context()->for_ranges(receivers->count, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const glm::vec3 position = positions.vec3(i), normal = normals.vec3(i);
-                const float length = std::sqrt(glm::dot(normal, normal));
-                float result = 1;
-                if (finite(position) && std::isfinite(length) && length > 0)
-                    result = visibility_of(*scene, *ao, {position, dfield::frame_of_normal(normal / length)},
-                                           owners ? *owners.at(i) : DFIELD_NO_INSTANCE);
-                *output.at(i) = self ? result * *self.at(i) : result;
-            }
-        });
+        const auto store = [&](std::size_t i, float value) {
+            *output.at(i) = self ? value * *self.at(i) : value;
+        };
+        for_receivers(
+            *scene, *receivers,
+            [&](std::size_t i, const Receiver& receiver, dfield_instance owner) {
+                store(i, visibility_of(*scene, *ao, receiver, owner));
+            },
+            [&](std::size_t i) { store(i, 1); });
     });
+}
+
+size_t dfield_ao_get_mask_words(const dfield_ao* ao) {
+    return ao ? (ao->ray_count + 31) / 32 : 0;
+}
+
+dfield_status dfield_scene_visibility_mask(const dfield_scene* scene, const dfield_ao* ao,
+                                           const dfield_receivers* receivers, uint32_t* masks,
+                                           size_t mask_stride) {
+    using namespace dfield::runtime;
+    return guarded([&] {
+        require_receivers(scene, ao, receivers, masks);
+        const std::size_t words = dfield_ao_get_mask_words(ao);
+        const Strided<std::uint32_t> output(masks, mask_stride, words);
+        const auto clear = [&](std::size_t i) { std::fill_n(output.at(i), words, 0u); };
+        for_receivers(
+            *scene, *receivers,
+            [&](std::size_t i, const Receiver& receiver, dfield_instance owner) {
+                clear(i);
+                mask_of(*scene, *ao, receiver, owner, output.at(i));
+            },
+            clear);
+    });
+}
 }

@@ -191,6 +191,9 @@ typedef struct dfield_ao_desc {
     float falloff_rate;  /* EXPONENTIAL: k > 0 */
     const float* falloff_table; /* TABLE: visibility V in [0,1] at even steps of distance, copied */
     size_t falloff_table_size;  /* 2..65536 */
+    const float* directions; /* null: cosine-weighted. Otherwise 3 * ray_count floats, unit, around +z (the normal, z >= 0);
+                                copied */
+    const float* weights;    /* only with directions: ray_count floats >= 0 that sum to 1; null: even. Copied */
     float bias;          /* >= 0, world units: hits nearer than this do not count, unless the whole object lies in front
                             of the receiver's tangent plane (then it is not the surface that the receiver lies on) */
 } dfield_ao_desc;
@@ -200,9 +203,12 @@ DFIELD_API void dfield_ao_desc_init(dfield_ao_desc* desc);
 DFIELD_API dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* desc, dfield_ao** ao);
 DFIELD_API void dfield_ao_release(dfield_ao* ao); /* null is fine */
 
-/* The cosine-weighted directions that `ao` uses, in the frame of the normal (z): 3 * ray_count floats. A receiver's
+/* The directions that `ao` uses, in the frame of the normal (z): 3 * ray_count floats. A receiver's
    frame is dfield_frame of its normal. */
 DFIELD_API const float* dfield_ao_get_directions(const dfield_ao* ao);
+
+/* Occlusion, in [0,1], that `ao` gives a hit at this distance: f(distance / max_distance), 1 - V of the paper. */
+DFIELD_API float dfield_ao_get_occlusion(const dfield_ao* ao, float distance);
 
 /* Tangent and bitangent that belong to a unit normal (FORMAT.md, "Frame rule"). */
 DFIELD_API void dfield_frame(const float normal[3], float tangent[3], float bitangent[3]);
@@ -224,6 +230,22 @@ typedef struct dfield_receivers {
 DFIELD_API dfield_status dfield_scene_visibility(const dfield_scene* scene, const dfield_ao* ao,
                                                  const dfield_receivers* receivers, float* visibility,
                                                  size_t visibility_stride);
+
+/* The same by the paper's Algorithm 2, ray by ray in double precision on the calling thread. Slow; for checking. Agrees
+   with dfield_scene_visibility but for rays that rounding puts into another texel. */
+DFIELD_API dfield_status dfield_scene_visibility_reference(const dfield_scene* scene, const dfield_ao* ao,
+                                                           const dfield_receivers* receivers, float* visibility,
+                                                           size_t visibility_stride);
+
+/* Words of 32 rays that one receiver's mask takes: (ray_count + 31) / 32. */
+DFIELD_API size_t dfield_ao_get_mask_words(const dfield_ao* ao);
+
+/* Which rays are blocked: bit r & 31 of word r >> 5 of receiver i's mask is 1 when ray r of `ao` hits anything within
+   max_distance. Falloff and self_visibility do not enter. Masks of several calls combine by OR. Receivers with
+   a NaN, an infinity or a zero normal get zeros. mask_stride in bytes, 0 = packed. */
+DFIELD_API dfield_status dfield_scene_visibility_mask(const dfield_scene* scene, const dfield_ao* ao,
+                                                      const dfield_receivers* receivers, uint32_t* masks,
+                                                      size_t mask_stride);
 
 #ifdef __cplusplus
 }

@@ -117,6 +117,10 @@ class Scene {
     void visibility(const Ao& ao, const dfield_receivers& receivers, float* result, std::size_t stride = 0) const {
         check(dfield_scene_visibility(handle_.get(), ao.get(), &receivers, result, stride));
     }
+    void visibility_mask(const Ao& ao, const dfield_receivers& receivers, std::uint32_t* masks,
+                         std::size_t stride = 0) const {
+        check(dfield_scene_visibility_mask(handle_.get(), ao.get(), &receivers, masks, stride));
+    }
     dfield_scene* get() const noexcept { return handle_.get(); }
 
   private:

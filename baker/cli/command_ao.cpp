@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "baker/cli/commands.hpp"
+#include "baker/cli/field_store.hpp"
+#include "baker/cli/options.hpp"
+#include "baker/cli/report.hpp"
+#include "baker/cli/scene_visibility.hpp"
+#include "baker/cli/terminal.hpp"
+#include "baker/gltf_output.hpp"
+#include "baker/render.hpp"
+#include "baker/scene.hpp"
+
+namespace dfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct AoCommand {
+    fs::path scene, output, image, cache;
+    bool no_cache = false, no_self = false, color = false, rays = false;
+    float crease_degrees = 180;
+    std::string method = "lookup", up = "y";
+    std::vector<float> ground_plane;
+    float ground = 0;
+    bool has_ground = false;
+    FieldParameters field;
+    AoOptions ao;
+    CommonOptions common;
+};
+
+std::string extension_of(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+bool is_gltf(const fs::path& path) {
+    return extension_of(path) == ".glb" || extension_of(path) == ".gltf";
+}
+
+// A missing ending or an unwritable kind of file is known before the work begins.
+void check_output(const AoCommand& command) {
+    const std::string extension = extension_of(command.output);
+    if (extension != ".ply" && extension != ".glb" && extension != ".gltf")
+        throw Error(ExitCode::kUsage,
+                    command.output.string() + ": the output must end in .glb, .gltf or .ply");
+    if (extension == ".gltf" && !is_gltf(command.scene))
+        throw Error(ExitCode::kUsage, command.output.string() +
+                                          ": .gltf output needs a glTF scene; write .glb or .ply from " +
+                                          extension_of(command.scene));
+    if (command.color && extension == ".ply")
+        throw Error(ExitCode::kUsage, "--color is for glTF; PLY always has greys beside `quality`");
+}
+
+void write_output(const AoCommand& command, const ImportedScene& scene,
+                  const std::vector<std::vector<float>>& values) {
+    if (extension_of(command.output) == ".ply")
+        write_ply_occlusion(command.output, scene, values);
+    else if (is_gltf(command.scene))
+        write_gltf_occlusion(command.scene, command.output, scene, values, {.color = command.color});
+    else
+        write_new_glb_occlusion(command.output, scene, values, {.color = command.color});
+}
+
+void save_picture(const AoCommand& command, const ImportedScene& scene,
+                  const std::vector<std::vector<float>>& values) {
+    std::vector<RenderObject> objects;
+    Bounds bounds{glm::vec3(std::numeric_limits<float>::max()),
+                  glm::vec3(std::numeric_limits<float>::lowest())};
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const TriangleMesh& mesh = scene.meshes[scene.instances[i].mesh].mesh;
+        if (mesh.triangles.empty()) continue;
+        objects.push_back({&mesh, scene.instances[i].transform, values[i]});
+        for (const glm::vec3& position : mesh.positions) {
+            const glm::vec3 placed(scene.instances[i].transform * glm::vec4(position, 1));
+            bounds.min = glm::min(bounds.min, placed);
+            bounds.max = glm::max(bounds.max, placed);
+        }
+    }
+    RenderOptions options;
+    options.width = 960;
+    options.height = 720;
+    options.threads = command.common.threads;
+    const glm::vec3 up = command.up == "z" ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0);
+    const glm::vec3 towards_eye = command.up == "z" ? glm::vec3(1, -1.1f, 0.7f) : glm::vec3(1, 0.7f, 1.1f);
+    write_png(command.image,
+              render(objects, frame_bounds(bounds, towards_eye, up, 30, 960.0f / 720), options));
+}
+
+void run(AoCommand& command) {
+    finish_ao_options(command.ao);
+    check_output(command);
+    const ImportedScene scene = import_scene(command.scene, {.crease_degrees = command.crease_degrees});
+    for (const std::string& warning : scene.report.warnings)
+        std::fprintf(stderr, "dfield: %s: %s\n", command.scene.string().c_str(), warning.c_str());
+
+    SceneVisibilityOptions options;
+    options.method = command.method == "rays" ? Method::kRays : Method::kLookup;
+    options.self = !command.no_self;
+    options.ao = command.ao.desc;
+    options.field = command.field;
+    options.threads = command.common.threads;
+    options.quiet = command.common.quiet;
+    if (!command.no_cache) options.cache = command.cache;
+    if (!command.ground_plane.empty())
+        options.ground = command.ground_plane;
+    else if (command.has_ground)
+        options.ground = command.up == "z" ? std::vector<float>{0, 0, 1, command.ground}
+                                           : std::vector<float>{0, 1, 0, command.ground};
+    const SceneVisibility visibility = scene_visibility(scene, options);
+    if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+    write_output(command, scene, visibility.values);
+    if (!command.image.empty()) save_picture(command, scene, visibility.values);
+
+    double mean = 0;
+    for (const auto& values : visibility.values)
+        for (const float value : values) mean += value;
+    mean /= static_cast<double>(std::max<std::size_t>(visibility.vertices, 1));
+    const auto& target = command.common.json;
+    say(target, text("%s: %zu vertices of %zu instances of %zu meshes by %s, mean visibility %.3f",
+                     command.output.string().c_str(), visibility.vertices, scene.instances.size(),
+                     scene.meshes.size(), command.method.c_str(), mean));
+    say(target,
+        text("%zu fields baked, %zu from the cache (%.2f s); self-occlusion %.2f s; visibility %.3f s",
+             visibility.baked, visibility.from_cache, visibility.bake_seconds, visibility.self_seconds,
+             visibility.visibility_seconds));
+    write_json_report(target, {{"scene", command.scene.string()},
+                               {"output", command.output.string()},
+                               {"method", command.method},
+                               {"meshes", scene.meshes.size()},
+                               {"instances", scene.instances.size()},
+                               {"vertices", visibility.vertices},
+                               {"rays_per_vertex", command.ao.desc.ray_count},
+                               {"self", options.self},
+                               {"mean_visibility", significant(mean)},
+                               {"fields_baked", visibility.baked},
+                               {"fields_from_cache", visibility.from_cache},
+                               {"field_bytes", visibility.field_bytes},
+                               {"bake_seconds", significant(visibility.bake_seconds)},
+                               {"self_seconds", significant(visibility.self_seconds)},
+                               {"visibility_seconds", significant(visibility.visibility_seconds)},
+                               {"degenerate", scene.report.degenerate},
+                               {"not_finite", scene.report.not_finite},
+                               {"index_out_of_range", scene.report.index_out_of_range},
+                               {"warnings", scene.report.warnings}});
+}
+
+}  // namespace
+
+void add_ao_command(CLI::App& app, ExitCode&) {
+    auto command = std::make_shared<AoCommand>();
+    command->cache = default_cache_folder();
+    CLI::App* ao =
+        app.add_subcommand("ao", "Ambient occlusion at every vertex of a scene, written into the scene");
+    ao->add_option("SCENE", command->scene, "GLB, glTF, OBJ, PLY, OFF or STL")->required();
+    ao->add_option(
+          "-o,--output", command->output,
+          "OUT.glb or .gltf: the scene with a float attribute _OCCLUSION (1 = open) on every primitive; "
+          "OUT.ply: all vertices with `quality` and greys")
+        ->required();
+    ao->add_flag("--color", command->color,
+                 "glTF: visibility as COLOR_0 too; it multiplies base colour in viewers");
+    ao->add_option("--image", command->image, "Also a PNG of the scene, shaded by its visibility");
+    ao->add_flag("--no-self", command->no_self, "Objects do not occlude themselves");
+    ao->add_option("--method", command->method, "lookup, or rays: the same by ray casting, the reference")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"lookup", "rays"}));
+    auto* ground = ao->add_option("--ground", command->ground, "Solid ground at this height along --up");
+    ao->add_option("--ground-plane", command->ground_plane,
+                   "Solid ground below the plane n.p = d: n.x n.y n.z d")
+        ->expected(4)
+        ->excludes("--ground");
+    ao->add_option("--up", command->up,
+                   "The axis that points up, for --ground and --image: y (as in glTF) or z")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"y", "z"}));
+    ao->add_option(
+          "--crease", command->crease_degrees,
+          "Where the file has no normals: faces that meet at more than this many degrees do not smooth")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 180.0));
+    add_ao_options(*ao, command->ao);
+    add_field_options(*ao, command->field);
+    ao->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
+    ao->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
+    add_common_options(*ao, command->common, "all cores");
+    ao->footer(
+        "Each distinct mesh is baked once, however many nodes use it. Occlusion by other objects is looked "
+        "up; an\n"
+        "object's own is ray cast once a vertex and multiplied in.");
+    ao->callback([command, ground] {
+        command->has_ground = ground->count() > 0;
+        run(*command);
+    });
+}
+
+}  // namespace dfield::cli

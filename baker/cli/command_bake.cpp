@@ -1,0 +1,204 @@
+#include <chrono>
+#include <filesystem>
+#include <map>
+
+#include "baker/bake.hpp"
+#include "baker/cli/commands.hpp"
+#include "baker/cli/field_store.hpp"
+#include "baker/cli/options.hpp"
+#include "baker/cli/report.hpp"
+#include "baker/cli/terminal.hpp"
+#include "baker/file_io.hpp"
+#include "baker/parallel.hpp"
+#include "baker/provenance.hpp"
+#include "baker/scene.hpp"
+#include "format/file.hpp"
+#include "format/writer.hpp"
+
+namespace dfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BakeCommand {
+    std::vector<fs::path> models;
+    fs::path output;
+    std::string mesh_name, node_name;
+    float crease_degrees = 180;
+    bool force = false;
+    BakeOptions bake;
+    CommonOptions common;
+};
+
+Json field_report(const DisplacementField& field, std::uint64_t file_bytes) {
+    Json json;
+    json["positions"] = position_count(field.parameters);
+    json["paper_positions"] = paper_position_count(field.parameters);
+    json["layout"] = name_of(field.parameters.positions);
+    json["subdivision"] = field.parameters.subdivision;
+    json["mapping"] = name_of(field.parameters.mapping);
+    json["map_size"] = field.parameters.map_size;
+    json["bits"] = field.parameters.bits;
+    json["payload_hash"] = payload_hash(field);
+    json["field_bytes"] = field.texels.size() + 2 * field.mean_depth.size();
+    json["file_bytes"] = file_bytes;
+    return json;
+}
+
+Json import_report(const ImportReport& report) {
+    Json json;
+    json["faces"] = report.faces;
+    json["triangles"] = report.triangles;
+    json["degenerate"] = report.degenerate;
+    json["not_finite"] = report.not_finite;
+    json["index_out_of_range"] = report.index_out_of_range;
+    json["skipped_primitives"] = report.skipped_primitives;
+    json["warnings"] = report.warnings;
+    return json;
+}
+
+// Bakes one model. In a batch an up-to-date output is left alone.
+Json bake_model(const BakeCommand& command, const fs::path& model, const fs::path& output,
+                bool skip_unchanged) {
+    const auto start = std::chrono::steady_clock::now();
+    const ImportedScene scene = import_scene(model, {.crease_degrees = command.crease_degrees});
+    const TriangleMesh mesh = flatten_scene(scene, command.mesh_name, command.node_name);
+    for (const std::string& warning : scene.report.warnings)
+        std::fprintf(stderr, "dfield: %s: %s\n", model.string().c_str(), warning.c_str());
+
+    Json json;
+    json["model"] = model.string();
+    json["output"] = output.string();
+    json.update(import_report(scene.report));
+    json["triangles"] = mesh.triangles.size();  // those traced: fewer than the file's with --mesh or --node
+
+    if (skip_unchanged) {
+        if (const auto present = matching_field(output, mesh, command.bake)) {
+            json["status"] = "unchanged";
+            json.update(field_report(*present, fs::file_size(output)));
+            say(command.common.json, output.string() + ": unchanged");
+            return json;
+        }
+    }
+
+    ProgressBar progress(model.filename().string(), "ray", command.common.quiet);
+    BakeOptions options = command.bake;
+    options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+    BakeReport report;
+    const DisplacementField field = bake_field(mesh, options, &report);
+    const std::vector<std::byte> bytes = write_field(field, {.threads = thread_count(options.threads)});
+    if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+    write_file_atomic(output, bytes);
+
+    json["status"] = "baked";
+    json.update(field_report(field, bytes.size()));
+    json["rays"] = report.rays;
+    json["mrays_per_s"] = significant(static_cast<double>(report.rays) / report.trace_seconds * 1e-6);
+    json["seconds"] =
+        significant(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    json["build_seconds"] = significant(report.build_seconds);
+    json["trace_seconds"] = significant(report.trace_seconds);
+    if (options.self_visibility) json["self_seconds"] = significant(report.self_seconds);
+    json["threads"] = thread_count(options.threads);
+    json["instruction_set"] = report.instruction_set;
+    say(command.common.json, text("%s: %zu triangles, %llu positions (paper: %llu) x %ux%u x %u bit, %sray "
+                                  "in %.2f s (%.1f Mray/s), %s -> %s",
+                                  output.string().c_str(), mesh.triangles.size(),
+                                  static_cast<unsigned long long>(position_count(field.parameters)),
+                                  static_cast<unsigned long long>(paper_position_count(field.parameters)),
+                                  field.parameters.map_size, field.parameters.map_size, field.parameters.bits,
+                                  with_prefix(static_cast<double>(report.rays)).c_str(), report.trace_seconds,
+                                  static_cast<double>(report.rays) / report.trace_seconds * 1e-6,
+                                  bytes_text(field.texels.size()).c_str(), bytes_text(bytes.size()).c_str()));
+    return json;
+}
+
+void bake_one(const BakeCommand& command) {
+    write_json_report(command.common.json,
+                      bake_model(command, command.models.front(), command.output, false));
+}
+
+// A farm's one command: every model into a folder, one failure does not stop the rest.
+ExitCode bake_folder(const BakeCommand& command) {
+    std::error_code error;
+    fs::create_directories(command.output, error);
+    if (error)
+        throw OutputError(command.output.string() + ": the folder cannot be made (" + error.message() + ")");
+    std::map<fs::path, fs::path> outputs;  // output -> model
+    for (const fs::path& model : command.models) {
+        fs::path output = command.output / model.filename().replace_extension(".dfield");
+        const auto [entry, added] = outputs.emplace(output, model);
+        if (!added)
+            throw Error(ExitCode::kUsage, model.string() + " and " + entry->second.string() +
+                                              " would both become " + output.string() +
+                                              "; bake them into different folders");
+    }
+    Json models = Json::array();
+    std::size_t failed = 0, unchanged = 0;
+    for (const fs::path& model : command.models) {
+        const fs::path output = command.output / model.filename().replace_extension(".dfield");
+        try {
+            models.push_back(bake_model(command, model, output, !command.force));
+            unchanged += models.back()["status"] == "unchanged";
+        } catch (const std::exception& failure) {
+            if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; finished models are kept");
+            std::fprintf(stderr, "dfield: %s\n", failure.what());
+            models.push_back({{"model", model.string()}, {"status", "failed"}, {"error", failure.what()}});
+            ++failed;
+        }
+    }
+    const std::size_t baked = command.models.size() - failed - unchanged;
+    say(command.common.json, text("%zu baked, %zu unchanged, %zu failed", baked, unchanged, failed));
+    write_json_report(command.common.json,
+                      {{"baked", baked}, {"unchanged", unchanged}, {"failed", failed}, {"models", models}});
+    return failed ? ExitCode::kPartial : ExitCode::kOk;
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app, ExitCode& exit_code) {
+    auto command = std::make_shared<BakeCommand>();
+    CLI::App* bake = app.add_subcommand("bake", "Bake models into displacement fields");
+    bake->add_option("MODEL", command->models, "OBJ, PLY, OFF, STL, glTF or GLB files")->required();
+    bake->add_option("-o,--output", command->output,
+                     "OUT.dfield, or a folder (DIR/) for several models: unchanged ones are skipped there")
+        ->required();
+    add_field_options(*bake, command->bake.parameters);
+    bake->add_option("--mesh", command->mesh_name, "glTF: bake only the mesh of this name, in its own space")
+        ->group("Model");
+    bake->add_option("--node", command->node_name, "glTF: bake only the node of this name and its children")
+        ->group("Model")
+        ->excludes("--mesh");
+    bake->add_option(
+            "--crease", command->crease_degrees,
+            "Vertex normals for --self: faces that meet at more than this many degrees do not smooth")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 180.0))
+        ->group("Model");
+    bake->add_flag(
+            "--self", command->bake.self_visibility,
+            "Also bake each vertex's visibility past its own object, for renderers that multiply it in")
+        ->group("Model");
+    bake->add_option("--self-rays", command->bake.self_rays, "Rays a vertex for --self")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 65536))
+        ->group("Model");
+    bake->add_flag("--force", command->force, "Into a folder: bake unchanged models too");
+    add_common_options(*bake, command->common, "all cores");
+    bake->footer(
+        "Every triangle is traced: open, non-manifold, duplicated and inside-out meshes are fine.\n"
+        "The payload does not depend on --threads or on the machine; its hash is in the report.");
+    bake->callback([command, &exit_code] {
+        command->bake.threads = command->common.threads;
+        command->bake.cancel = &interrupted;
+        const std::string output = command->output.string();
+        const bool folder = command->models.size() > 1 || fs::is_directory(command->output) ||
+                            (!output.empty() && (output.back() == '/' || output.back() == '\\'));
+        if (folder)
+            exit_code = bake_folder(*command);
+        else
+            bake_one(*command);
+    });
+}
+
+}  // namespace dfield::cli

@@ -1,0 +1,243 @@
+#include <filesystem>
+#include <map>
+
+#include "baker/bake.hpp"
+#include "baker/cli/commands.hpp"
+#include "baker/cli/comparison.hpp"
+#include "baker/cli/comparison_picture.hpp"
+#include "baker/cli/corner.hpp"
+#include "baker/cli/field_store.hpp"
+#include "baker/cli/options.hpp"
+#include "baker/cli/report.hpp"
+#include "baker/cli/terminal.hpp"
+#include "baker/file_io.hpp"
+#include "baker/parallel.hpp"
+#include "baker/ray_visibility.hpp"
+#include "baker/scene.hpp"
+#include "format/file.hpp"
+#include "format/hemisphere_map.hpp"
+
+namespace dfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareCommand {
+    fs::path caster, field, image;
+    std::string scene = "corner";
+    std::string ray_sampling = "concentric";
+    std::uint32_t rays = 256, converged_rays = 4096;
+    int repetitions = 5;
+    bool no_cache = false;
+    fs::path cache;
+    FieldParameters parameters;
+    CommonOptions common;
+};
+
+// Everything that one comparison is made of, with the meshes it points into.
+struct Setting {
+    std::map<std::size_t, TriangleMesh> meshes;  // stable addresses
+    ComparisonInput input;
+    std::vector<PictureObject> objects;    // one a group, then objects that only cast
+    std::vector<std::vector<float>> self;  // a group's visibility past its own object; empty: open
+    Camera camera;
+};
+
+BakeOptions bake_options(const CompareCommand& command, ProgressBar& progress) {
+    BakeOptions options;
+    options.parameters = command.parameters;
+    options.cancel = &interrupted;
+    options.progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+    return options;
+}
+
+std::vector<std::byte> field_bytes(const CompareCommand& command, const TriangleMesh& mesh,
+                                   const std::string& label) {
+    ProgressBar progress("baking " + label, "ray", command.common.quiet);
+    return cached_field(mesh, bake_options(command, progress), command.no_cache ? fs::path() : command.cache)
+        .bytes;
+}
+
+// --field: the file's own bytes, after a look at whether they belong to the caster.
+std::vector<std::byte> given_field(const CompareCommand& command, const TriangleMesh& mesh) {
+    std::vector<std::byte> bytes = read_file(command.field);
+    try {
+        const Json provenance = Json::parse(read_field(bytes).provenance, nullptr, false);
+        if (!provenance.is_discarded() && provenance.contains("mesh") &&
+            provenance["mesh"].value("hash", "") != mesh_hash(mesh))
+            std::fprintf(stderr, "dfield: warning: %s was baked from another mesh than %s\n",
+                         command.field.string().c_str(), command.caster.string().c_str());
+    } catch (const FormatError& error) {
+        throw InputError(command.field.string() + ": " + error.what());
+    }
+    return bytes;
+}
+
+void add_group(Setting& setting, const TriangleMesh& mesh, const glm::mat4& transform, std::size_t owner,
+               bool room) {
+    setting.input.groups.push_back({placed_vertices(mesh, transform), owner});
+    setting.objects.push_back({&mesh, transform, {}, {}, room});
+    setting.self.emplace_back();
+}
+
+void set_corner(const CompareCommand& command, Setting& setting, float gap) {
+    const ImportedScene scene = import_scene(command.caster);
+    const TriangleMesh& caster = setting.meshes[0] = flatten_scene(scene);
+    const TriangleMesh& room = setting.meshes[1] = corner_room(triangle_bounds(caster), gap);
+    setting.input.fields.push_back(command.field.empty()
+                                       ? field_bytes(command, caster, command.caster.filename().string())
+                                       : given_field(command, caster));
+    setting.input.casters.push_back({&caster, 0, glm::mat4(1)});
+    add_group(setting, room, glm::mat4(1), ReceiverGroup::kNoOwner, true);
+    if (command.image.empty()) return;
+    PictureObject object{&caster, glm::mat4(1), {}, {}, false};
+    object.reference = object.lookup = self_visibility(caster, 256, 0);
+    setting.objects.push_back(object);
+    setting.camera = frame_bounds(triangle_bounds(room), {1, 0.8f, 1.1f}, {0, 1, 0}, 30, 560.0f / 480);
+}
+
+// A scene file: every instance is a caster and a receiver, or with --caster a receiver only.
+void set_scene(const CompareCommand& command, Setting& setting) {
+    const ImportedScene scene = import_scene(command.scene);
+    const bool receivers_only = !command.caster.empty();
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+        setting.meshes[i] = scene.meshes[i].mesh;
+        if (!receivers_only)
+            setting.input.fields.push_back(field_bytes(command, setting.meshes[i], scene.meshes[i].name));
+    }
+    if (receivers_only) {
+        const std::size_t index = scene.meshes.size();
+        setting.meshes[index] = flatten_scene(import_scene(command.caster));
+        setting.input.fields.push_back(command.field.empty()
+                                           ? field_bytes(command, setting.meshes[index], "caster")
+                                           : given_field(command, setting.meshes[index]));
+        setting.input.casters.push_back({&setting.meshes[index], 0, glm::mat4(1)});
+    }
+    Bounds bounds{glm::vec3(std::numeric_limits<float>::max()),
+                  glm::vec3(std::numeric_limits<float>::lowest())};
+    std::map<std::uint32_t, std::vector<float>> self;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const SceneInstance& instance = scene.instances[i];
+        const TriangleMesh& mesh = setting.meshes[instance.mesh];
+        if (!receivers_only) setting.input.casters.push_back({&mesh, instance.mesh, instance.transform});
+        add_group(setting, mesh, instance.transform, receivers_only ? ReceiverGroup::kNoOwner : i, false);
+        if (command.image.empty()) continue;
+        for (const glm::vec3& position : setting.input.groups.back().receivers.positions) {
+            bounds.min = glm::min(bounds.min, position);
+            bounds.max = glm::max(bounds.max, position);
+        }
+        auto& values = self[instance.mesh];
+        if (values.empty()) values = self_visibility(mesh, 256, 0);
+        setting.self.back() = values;
+    }
+    setting.camera = frame_bounds(bounds, {1, 0.8f, 1.1f}, {0, 1, 0}, 30, 560.0f / 480);
+}
+
+void save_picture(const CompareCommand& command, Setting& setting, const Comparison& result) {
+    std::size_t first = 0;
+    for (std::size_t g = 0; g < setting.input.groups.size(); ++g) {
+        const std::size_t count = setting.input.groups[g].receivers.size();
+        const auto values = [&](const std::vector<float>& all) {
+            std::vector<float> own(all.begin() + first, all.begin() + first + count);
+            for (std::size_t i = 0; i < setting.self[g].size(); ++i) own[i] *= setting.self[g][i];
+            return own;
+        };
+        setting.objects[g].reference = values(result.reference);
+        setting.objects[g].lookup = values(result.lookup);
+        first += count;
+    }
+    write_png(command.image,
+              comparison_picture(setting.objects, setting.camera, result, command.common.threads));
+}
+
+void print_comparison(const CompareCommand& command, const Comparison& result) {
+    const auto& target = command.common.json;
+    say(target,
+        text("%zu receivers, %srays, %.0f%% of them meet a bounding sphere", result.receivers,
+             with_prefix(static_cast<double>(result.rays)).c_str(), 100 * result.sphere_hit_fraction));
+    say(target, text("lookup   %8.1f Mray/s", result.lookup_mrays_per_s));
+    say(target, text("Embree   %8.1f Mray/s (%s, its fastest mode here)", result.embree_mrays_per_s,
+                     result.embree_mode.c_str()));
+    say(target, text("speedup  %8.2f x; %.2f x on rays that meet a sphere", result.speedup,
+                     result.speedup_sphere_hits));
+    say(target, text("error    %8.2f grey RMS of 255, bias %+.2f, 95%% below %.1f, max %.1f", result.rms_grey,
+                     result.bias_grey, result.percentile_95, result.max_grey));
+    say(target, text("         %8.2f grey RMS against %u rays; %.2f%% of the rays disagree",
+                     result.rms_grey_converged, command.converged_rays, 100 * result.disagree_fraction));
+    say(target, text("memory   %s loaded, %s on disk", bytes_text(result.field_bytes).c_str(),
+                     bytes_text(result.file_bytes).c_str()));
+}
+
+void run(const CompareCommand& command) {
+    Setting setting;
+    ComparisonInput& input = setting.input;
+    input.threads = command.common.threads;
+    input.repetitions = command.repetitions;
+    input.converged_rays = command.converged_rays;
+    input.directions = command.ray_sampling == "polar" ? polar_directions(command.rays, input.weights)
+                                                       : cosine_directions(command.rays);
+    if (command.scene == "corner" || command.scene == "corner-contact") {
+        if (command.caster.empty())
+            throw Error(ExitCode::kUsage, "scene " + command.scene + " needs a model in it: --caster MODEL");
+        set_corner(command, setting, command.scene == "corner" ? 0.1f : 0.0f);
+    } else {
+        set_scene(command, setting);
+    }
+    const Comparison result = compare(input);
+    if (!command.image.empty()) save_picture(command, setting, result);
+    print_comparison(command, result);
+    Json json;
+    json["scene"] = command.scene;
+    json["caster"] = command.caster.string();
+    json.update(result.json());
+    json["threads"] = input.threads;
+    write_json_report(command.common.json, json);
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, ExitCode&) {
+    auto command = std::make_shared<CompareCommand>();
+    command->cache = default_cache_folder();
+    command->common.threads = 1;
+    CLI::App* compare = app.add_subcommand("compare", "Lookup against ray casting: error, speed, pictures");
+    compare->add_option("--caster", command->caster, "The model that occludes")->check(CLI::ExistingFile);
+    compare
+        ->add_option("--scene", command->scene,
+                     "corner: the paper's three planes, a gap of 0.1 longest sides away; corner-contact: "
+                     "touching; or a "
+                     "scene file, whose objects occlude each other (with --caster: are receivers only)")
+        ->capture_default_str();
+    compare->add_option("--field", command->field, "The caster's .dfield; otherwise it is baked")
+        ->check(CLI::ExistingFile)
+        ->needs("--caster");
+    compare->add_option("--rays", command->rays, "Rays a vertex")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 65536));
+    compare
+        ->add_option(
+            "--ray-sampling", command->ray_sampling,
+            "Rays of a vertex: concentric (cosine-weighted) or polar (the paper's uniform; weighted)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"concentric", "polar"}));
+    compare->add_option("--converged-rays", command->converged_rays, "Rays of rms_grey_converged's reference")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 65536));
+    compare->add_option("--repetitions", command->repetitions, "Timed runs of each side; the fastest counts")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000));
+    compare->add_option("--image", command->image, "PNG of reference, lookup and their difference x5");
+    compare->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
+    compare->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
+    add_field_options(*compare, command->parameters);
+    add_common_options(*compare, command->common, "1");
+    compare->footer(
+        "Errors are of visibility in grey levels, 0..255, over all receivers. Embree's side is its best: "
+        "any-hit\n"
+        "queries on the casters alone, packets prepared beforehand, the fastest of seven modes. The lookup's "
+        "side is\n"
+        "the whole call, rays made from vertices included.");
+    compare->callback([command] { run(*command); });
+}
+
+}  // namespace dfield::cli

@@ -1,0 +1,47 @@
+#include "baker/cli/commands.hpp"
+#include "baker/cli/report.hpp"
+#include "baker/file_io.hpp"
+#include "format/file.hpp"
+
+namespace dfield::cli {
+
+void add_validate_command(CLI::App& app, ExitCode& exit_code) {
+    struct ValidateCommand {
+        std::string file, json;
+    };
+    auto command = std::make_shared<ValidateCommand>();
+    CLI::App* validate =
+        app.add_subcommand("validate", "Check a .dfield against the format; numbered findings");
+    validate->add_option("FILE", command->file, "A .dfield")->required();
+    validate
+        ->add_option("--json", command->json, "Also write the findings as JSON to this file (- for stdout)")
+        ->type_name("FILE");
+    validate->footer(
+        "The numbers of findings are listed in format/FORMAT.md. Exit code 6 when there is an error.");
+    validate->callback([command, &exit_code] {
+        const std::vector<Finding> findings = validate_file(read_file(command->file));
+        Json list = Json::array();
+        std::size_t errors = 0;
+        for (const Finding& finding : findings) {
+            const bool error = finding.severity == Finding::Severity::kError;
+            errors += error;
+            const auto number = static_cast<unsigned>(finding.code);
+            list.push_back({{"number", number},
+                            {"severity", error ? "error" : "warning"},
+                            {"offset", finding.offset},
+                            {"message", finding.message}});
+            say(command->json,
+                text("%s %u at byte %llu: %s", error ? "error" : "warning", number,
+                     static_cast<unsigned long long>(finding.offset), finding.message.c_str()));
+        }
+        if (findings.empty()) say(command->json, command->file + ": valid");
+        write_json_report(command->json, {{"file", command->file},
+                                          {"valid", errors == 0},
+                                          {"errors", errors},
+                                          {"warnings", findings.size() - errors},
+                                          {"findings", list}});
+        if (errors) exit_code = ExitCode::kInvalid;
+    });
+}
+
+}  // namespace dfield::cli

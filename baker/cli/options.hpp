@@ -1,0 +1,34 @@
+// Flags that several subcommands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "dfield/dfield.hpp"
+#include "format/field.hpp"
+
+namespace dfield::cli {
+
+// --subdivision --map-size --mapping --positions --bits
+void add_field_options(CLI::App& command, FieldParameters& parameters);
+
+// --threads, --json, --quiet
+struct CommonOptions {
+    int threads = 0;
+    std::string json;
+    bool quiet = false;
+};
+void add_common_options(CLI::App& command, CommonOptions& options, const std::string& threads_default);
+
+// --rays --max-distance --falloff --falloff-rate --falloff-table --bias
+struct AoOptions {
+    dfield_ao_desc desc;
+    std::vector<float> table;  // what desc.falloff_table points at
+    std::string table_file;
+    AoOptions() { dfield_ao_desc_init(&desc); }
+};
+void add_ao_options(CLI::App& command, AoOptions& options);
+// Reads the table file, checks that the options fit together. Call after parsing.
+void finish_ao_options(AoOptions& options);
+
+}  // namespace dfield::cli

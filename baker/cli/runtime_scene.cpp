@@ -1,0 +1,58 @@
+#include "baker/cli/runtime_scene.hpp"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "baker/parallel.hpp"
+
+namespace dfield::cli {
+namespace {
+
+void run_parallel(void* user, std::size_t count, void (*body)(void*, std::size_t, std::size_t), void* data) {
+    const int threads = *static_cast<const int*>(user);
+    if (threads == 1) return body(data, 0, count);
+    parallel_ranges(threads, count, 256, [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
+}
+
+Context make_context(int* threads) {
+    dfield_context_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.user = threads;
+    desc.parallel_for = run_parallel;
+    return Context(&desc);
+}
+
+}  // namespace
+
+ThreadedContext::ThreadedContext(int threads)
+    : threads_(std::make_unique<int>(thread_count(threads))), context_(make_context(threads_.get())) {}
+
+dfield_receivers Receivers::view(std::span<const dfield_instance> owners) const {
+    dfield_receivers view{};
+    view.count = positions.size();
+    view.positions = positions.empty() ? nullptr : &positions.front().x;
+    view.normals = normals.empty() ? nullptr : &normals.front().x;
+    view.owners = owners.empty() ? nullptr : owners.data();
+    return view;
+}
+
+Receivers placed_vertices(const TriangleMesh& mesh, const glm::mat4& transform) {
+    Receivers receivers;
+    receivers.positions.reserve(mesh.positions.size());
+    receivers.normals.reserve(mesh.positions.size());
+    // Cofactors rather than the inverse transpose: the same direction up to the determinant's sign, finite
+    // for flat transforms too.
+    const glm::mat3 m(transform);
+    const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    const float sign = glm::dot(m[0], cofactors[0]) < 0 ? -1.0f : 1.0f;
+    for (const glm::vec3& position : mesh.positions)
+        receivers.positions.emplace_back(transform * glm::vec4(position, 1));
+    for (const glm::vec3& normal : mesh.normals) {
+        const glm::vec3 moved = sign * (cofactors * normal);
+        const float length = glm::length(moved);
+        receivers.normals.push_back(length > 0 ? moved / length : normal);
+    }
+    return receivers;
+}
+
+}  // namespace dfield::cli

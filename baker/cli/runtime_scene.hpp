@@ -1,0 +1,39 @@
+// The runtime as the command uses it: through its C ABI, with TBB behind the parallel_for hook.
+#pragma once
+
+#include <cstddef>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "baker/mesh.hpp"
+#include "dfield/dfield.hpp"
+
+namespace dfield::cli {
+
+// A context whose queries run on `threads` threads (0 = all cores). The object must outlive what is made from
+// it.
+class ThreadedContext {
+  public:
+    explicit ThreadedContext(int threads);
+    const Context& get() const { return context_; }
+
+  private:
+    std::unique_ptr<int> threads_;  // what the hook's user pointer points at
+    Context context_;
+};
+
+// Points with normals where occlusion is asked for, world space.
+struct Receivers {
+    std::vector<glm::vec3> positions, normals;
+
+    std::size_t size() const { return positions.size(); }
+    // For the C ABI; `owners` may be empty.
+    dfield_receivers view(std::span<const dfield_instance> owners = {}) const;
+};
+
+// A mesh's vertices placed in the world: normals by the inverse transpose, unit.
+Receivers placed_vertices(const TriangleMesh& mesh, const glm::mat4& transform);
+
+}  // namespace dfield::cli

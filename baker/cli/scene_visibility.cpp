@@ -1,0 +1,215 @@
+#include "baker/cli/scene_visibility.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <map>
+#include <memory>
+
+#include "baker/bake.hpp"
+#include "baker/bounding_sphere.hpp"
+#include "baker/cli/field_store.hpp"
+#include "baker/cli/runtime_scene.hpp"
+#include "baker/cli/terminal.hpp"
+#include "baker/error.hpp"
+#include "baker/ray_visibility.hpp"
+
+namespace dfield::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void check_interrupt() {
+    if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+}
+
+// The largest factor by which a transform stretches along an axis of object space.
+float stretch(const glm::mat4& m) {
+    return std::max(
+        {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))});
+}
+
+// Rotation, translation, mirroring and one scale: angles stay, so occlusion of an object by itself stays too.
+bool keeps_angles(const glm::mat4& m) {
+    const glm::mat3 linear(m);
+    const glm::mat3 gram = glm::transpose(linear) * linear;
+    const float scale = gram[0][0];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (std::fabs(gram[i][j] - (i == j ? scale : 0)) > 1e-4f * scale) return false;
+    return true;
+}
+
+class Job {
+  public:
+    Job(const ImportedScene& scene, const SceneVisibilityOptions& options)
+        : scene_(scene), options_(options), context_(options.threads), ao_(context_.get(), options.ao) {
+        directions_.resize(options.ao.ray_count);
+        for (std::size_t r = 0; r < directions_.size(); ++r)
+            directions_[r] = {ao_.directions()[3 * r], ao_.directions()[3 * r + 1],
+                              ao_.directions()[3 * r + 2]};
+        for (const SceneInstance& instance : scene.instances)
+            receivers_.push_back(placed_vertices(scene.meshes[instance.mesh].mesh, instance.transform));
+    }
+
+    SceneVisibility by_lookup() {
+        dfield::Scene lookup(context_.get());
+        add_casters(lookup);
+        if (!options_.ground.empty()) lookup.set_ground(options_.ground.data());
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+            check_interrupt();
+            const std::vector<float> self = options_.self ? self_of(i) : std::vector<float>();
+            const auto start = Clock::now();
+            const std::vector<dfield_instance> owners(receivers_[i].size(), ids_[i]);
+            dfield_receivers view = receivers_[i].view(owners);
+            view.self_visibility = self.empty() ? nullptr : self.data();
+            std::vector<float> values(receivers_[i].size(), 1.0f);
+            if (!values.empty()) lookup.visibility(ao_, view, values.data());
+            result_.visibility_seconds += seconds_since(start);
+            result_.values.push_back(std::move(values));
+        }
+        return finish();
+    }
+
+    SceneVisibility by_rays() {
+        std::unique_ptr<EmbreeScene> whole;
+        if (options_.self) whole = casters_without(scene_.instances.size());
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+            check_interrupt();
+            const auto start = Clock::now();
+            const std::unique_ptr<EmbreeScene> others = options_.self ? nullptr : casters_without(i);
+            RayVisibilityOptions rays = ray_options(i);
+            rays.ground = options_.ground;
+            if (!options_.self) rays.normal_offset = 0;  // nothing to lift the ray off
+            result_.values.push_back(ray_visibility(options_.self ? *whole : *others, receivers_[i].positions,
+                                                    receivers_[i].normals, rays));
+            result_.visibility_seconds += seconds_since(start);
+        }
+        return finish();
+    }
+
+  private:
+    const TriangleMesh& mesh_of(std::size_t instance) const {
+        return scene_.meshes[scene_.instances[instance].mesh].mesh;
+    }
+
+    // Self-occlusion is baked with the field where neither distances nor the transform change it.
+    bool self_in_field() const {
+        return options_.self && !std::isfinite(options_.ao.max_distance) && options_.ao.bias == 0;
+    }
+
+    void add_casters(dfield::Scene& lookup) {
+        ids_.assign(scene_.instances.size(), DFIELD_NO_INSTANCE);
+        // A lone object has nobody to occlude it.
+        const bool alone = scene_.instances.size() < 2;
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+            const SceneInstance& instance = scene_.instances[i];
+            if (mesh_of(i).triangles.empty() || (alone && !self_in_field())) continue;
+            if (!fields_.contains(instance.mesh)) fields_.emplace(instance.mesh, bake(instance.mesh));
+            ids_[i] = lookup.add(fields_.at(instance.mesh), &instance.transform[0][0]);
+        }
+    }
+
+    Field bake(std::uint32_t mesh_index) {
+        check_interrupt();
+        const SceneMesh& mesh = scene_.meshes[mesh_index];
+        ProgressBar progress(
+            "baking " + (mesh.name.empty() ? "mesh " + std::to_string(mesh_index) : mesh.name), "ray",
+            options_.quiet);
+        BakeOptions bake;
+        bake.parameters = options_.field;
+        bake.threads = options_.threads;
+        bake.self_visibility = self_in_field();
+        bake.self_rays = options_.ao.ray_count;
+        bake.cancel = &interrupted;
+        bake.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+        const auto start = Clock::now();
+        const BakedField baked = cached_field(mesh.mesh, bake, options_.cache);
+        result_.bake_seconds += seconds_since(start);
+        ++(baked.from_cache ? result_.from_cache : result_.baked);
+        Field field = Field::load(context_.get(), baked.bytes.data(), baked.bytes.size());
+        result_.field_bytes += field.info().memory_bytes;
+        return field;
+    }
+
+    std::vector<float> self_of(std::size_t i) {
+        const SceneInstance& instance = scene_.instances[i];
+        if (mesh_of(i).triangles.empty()) return {};
+        if (self_in_field() && keeps_angles(instance.transform)) {
+            const float* baked = fields_.at(instance.mesh).self_visibility();
+            return {baked, baked + receivers_[i].size()};
+        }
+        const auto start = Clock::now();
+        EmbreeScene own(EmbreeUse::kFast);
+        own.add_mesh(mesh_of(i), instance.transform);
+        own.commit(options_.threads);
+        auto values = ray_visibility(own, receivers_[i].positions, receivers_[i].normals, ray_options(i));
+        result_.self_seconds += seconds_since(start);
+        return values;
+    }
+
+    // Everything but one instance; an index past the end leaves nothing out.
+    std::unique_ptr<EmbreeScene> casters_without(std::size_t omitted) {
+        auto casters = std::make_unique<EmbreeScene>(EmbreeUse::kFast);
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+            if (i == omitted || mesh_of(i).triangles.empty()) continue;
+            auto& object = objects_[scene_.instances[i].mesh];
+            if (!object) {
+                object = std::make_unique<EmbreeScene>(EmbreeUse::kFast);
+                object->add_mesh(mesh_of(i));
+                object->commit(options_.threads);
+            }
+            casters->add_instance(*object, scene_.instances[i].transform);
+        }
+        casters->commit(options_.threads);
+        return casters;
+    }
+
+    RayVisibilityOptions ray_options(std::size_t i) {
+        RayVisibilityOptions rays;
+        rays.directions = directions_;
+        rays.near_distance = options_.ao.bias;
+        rays.max_distance = options_.ao.max_distance;
+        rays.threads = options_.threads;
+        if (!mesh_of(i).triangles.empty())
+            rays.normal_offset = kSelfOffset * smallest_enclosing_ball(mesh_of(i)).radius *
+                                 stretch(scene_.instances[i].transform);
+        if (options_.ao.falloff != DFIELD_FALLOFF_NONE) {
+            rays.occlusion = [](const void* ao, float distance) {
+                return dfield_ao_get_occlusion(static_cast<const dfield_ao*>(ao), distance);
+            };
+            rays.occlusion_data = ao_.get();
+        }
+        return rays;
+    }
+
+    SceneVisibility finish() {
+        for (const auto& values : result_.values) result_.vertices += values.size();
+        return std::move(result_);
+    }
+
+    const ImportedScene& scene_;
+    const SceneVisibilityOptions& options_;
+    ThreadedContext context_;
+    Ao ao_;
+    std::vector<glm::vec3> directions_;
+    std::vector<Receivers> receivers_;
+    std::map<std::uint32_t, Field> fields_;
+    std::map<std::uint32_t, std::unique_ptr<EmbreeScene>> objects_;
+    std::vector<dfield_instance> ids_;
+    SceneVisibility result_;
+};
+
+}  // namespace
+
+SceneVisibility scene_visibility(const ImportedScene& scene, const SceneVisibilityOptions& options) {
+    Job job(scene, options);
+    return options.method == Method::kLookup ? job.by_lookup() : job.by_rays();
+}
+
+}  // namespace dfield::cli

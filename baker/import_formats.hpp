@@ -1,0 +1,12 @@
+// The importers behind import_scene(). Each throws InputError; the caller checks that anything usable came
+// out.
+#pragma once
+
+#include "baker/scene.hpp"
+
+namespace dfield {
+
+Scene import_openmesh(const std::filesystem::path& path, const ImportOptions& options);  // OBJ, PLY, OFF, STL
+Scene import_gltf(const std::filesystem::path& path);                                    // glTF 2.0, GLB
+
+}  // namespace dfield

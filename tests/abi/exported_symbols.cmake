@@ -1,0 +1,28 @@
+# The shared library exports what dfield.h declares: nothing more, nothing less.
+# cmake -DLIBRARY=libdfield.so -DHEADER=dfield.h -DNM=nm -P exported_symbols.cmake
+file(READ ${HEADER} text)
+string(REGEX REPLACE "/\\*[^*]*\\*+([^/*][^*]*\\*+)*/" "" text "${text}")
+string(REGEX MATCHALL "DFIELD_API[^;(]*[ *]dfield_[a-z0-9_]+\\(" declarations "${text}")
+set(declared "")
+foreach(declaration IN LISTS declarations)
+  string(REGEX MATCH "dfield_[a-z0-9_]+\\($" name "${declaration}")
+  string(REPLACE "(" "" name "${name}")
+  list(APPEND declared ${name})
+endforeach()
+list(LENGTH declared count)
+if(count LESS 10)
+  message(FATAL_ERROR "only ${count} functions found in ${HEADER}: has the way it declares them changed?")
+endif()
+
+execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE lines COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[^ \n]+\n" exported "${lines}")
+string(REPLACE "\n" "" exported "${exported}")
+
+set(extra ${exported})
+list(REMOVE_ITEM extra ${declared})
+set(missing ${declared})
+list(REMOVE_ITEM missing ${exported})
+if(extra OR missing)
+  message(FATAL_ERROR "${LIBRARY}\n  exports, not in dfield.h: ${extra}\n  in dfield.h, not exported: ${missing}")
+endif()
+message(STATUS "${count} functions, all of dfield.h and nothing else")

@@ -1,0 +1,15 @@
+# The runtime configures and builds where none of the baker's libraries can be found.
+include(${CMAKE_CURRENT_LIST_DIR}/nested.cmake)
+set(options -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DDFIELD_BUILD_BAKER=OFF -DDFIELD_BUILD_TESTS=OFF
+            -DDFIELD_WARNINGS_AS_ERRORS=ON)
+foreach(package IN ITEMS embree OpenMesh TinyGLTF TBB nlohmann_json CLI11 Catch2)
+  list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+if(FLAVOUR STREQUAL "static")
+  list(APPEND options -DDFIELD_BUILD_SHARED=OFF)
+endif()
+if(CXX)
+  list(APPEND options -DCMAKE_C_COMPILER=${CC} -DCMAKE_CXX_COMPILER=${CXX})
+endif()
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${BUILD} -G ${GENERATOR} ${options})
+run(${CMAKE_COMMAND} --build ${BUILD} --parallel 2)
