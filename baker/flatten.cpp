@@ -51,7 +51,7 @@ void append(TriangleMesh& world, const TriangleMesh& mesh, const glm::mat4& tran
     for (const glm::uvec3& triangle : mesh.triangles) world.triangles.push_back(triangle + offset);
 }
 
-TriangleMesh one_mesh(const Scene& scene, const std::string& mesh_name) {
+TriangleMesh one_mesh(const ImportedScene& scene, const std::string& mesh_name) {
     const TriangleMesh* found = nullptr;
     std::set<std::string> names;
     for (const SceneMesh& mesh : scene.meshes) {
@@ -67,8 +67,8 @@ TriangleMesh one_mesh(const Scene& scene, const std::string& mesh_name) {
     return *found;
 }
 
-// Nodes of that name and everything below them, by index into Scene::nodes.
-std::vector<bool> subtree(const Scene& scene, const std::string& node_name) {
+// Nodes of that name and everything below them, by index into ImportedScene::nodes.
+std::vector<bool> subtree(const ImportedScene& scene, const std::string& node_name) {
     std::vector<bool> inside(scene.nodes.size(), false);
     for (std::size_t i = 0; i < scene.nodes.size(); ++i)
         for (std::int32_t up = static_cast<std::int32_t>(i); up >= 0 && !inside[i];
@@ -79,7 +79,7 @@ std::vector<bool> subtree(const Scene& scene, const std::string& node_name) {
 
 }  // namespace
 
-TriangleMesh flatten_scene(const Scene& scene, const std::string& mesh_name, const std::string& node_name) {
+TriangleMesh flatten_scene(const ImportedScene& scene, const std::string& mesh_name, const std::string& node_name) {
     if (!mesh_name.empty() && !node_name.empty()) throw InputError("choose a mesh or a node, not both");
     TriangleMesh world;
     if (!mesh_name.empty()) {

@@ -48,6 +48,44 @@ class Reader {
         if (accessor_.sparse.isSparse) replace_sparse(size, n, store);
     }
 
+    std::uint32_t unsigned_at(const unsigned char* p, int type) const {
+        switch (type) {
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return p[0];
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return static_cast<std::uint32_t>(p[0] | p[1] << 8);
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+                return std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 |
+                       std::uint32_t{p[3]} << 24;
+            default:
+                fail("has indices that are not unsigned bytes, shorts or ints");
+        }
+    }
+
+    float number_at(const unsigned char* p) const {
+        const bool unit = accessor_.normalized;
+        switch (accessor_.componentType) {
+            case TINYGLTF_COMPONENT_TYPE_FLOAT:
+                return std::bit_cast<float>(unsigned_at(p, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT));
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return unit ? static_cast<float>(p[0]) / 255.0f : p[0];
+            case TINYGLTF_COMPONENT_TYPE_BYTE: {
+                const auto value = static_cast<float>(static_cast<std::int8_t>(p[0]));
+                return unit ? std::max(value / 127.0f, -1.0f) : value;
+            }
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
+                const auto value = static_cast<float>(p[0] | p[1] << 8);
+                return unit ? value / 65535.0f : value;
+            }
+            case TINYGLTF_COMPONENT_TYPE_SHORT: {
+                const auto value = static_cast<float>(static_cast<std::int16_t>(p[0] | p[1] << 8));
+                return unit ? std::max(value / 32767.0f, -1.0f) : value;
+            }
+            default:
+                fail("has components that are neither floats nor bytes nor shorts");
+        }
+    }
+
     [[noreturn]] void fail(const std::string& message) const {
         throw InputError(document_.file + ": " + what_ + ": the accessor " + message);
     }
@@ -107,46 +145,6 @@ class Reader {
         }
     }
 
-  public:
-    std::uint32_t unsigned_at(const unsigned char* p, int type) const {
-        switch (type) {
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-                return p[0];
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-                return static_cast<std::uint32_t>(p[0] | p[1] << 8);
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-                return std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 |
-                       std::uint32_t{p[3]} << 24;
-            default:
-                fail("has indices that are not unsigned bytes, shorts or ints");
-        }
-    }
-
-    float number_at(const unsigned char* p) const {
-        const bool unit = accessor_.normalized;
-        switch (accessor_.componentType) {
-            case TINYGLTF_COMPONENT_TYPE_FLOAT:
-                return std::bit_cast<float>(unsigned_at(p, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT));
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-                return unit ? static_cast<float>(p[0]) / 255.0f : p[0];
-            case TINYGLTF_COMPONENT_TYPE_BYTE: {
-                const auto value = static_cast<float>(static_cast<std::int8_t>(p[0]));
-                return unit ? std::max(value / 127.0f, -1.0f) : value;
-            }
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-                const auto value = static_cast<float>(p[0] | p[1] << 8);
-                return unit ? value / 65535.0f : value;
-            }
-            case TINYGLTF_COMPONENT_TYPE_SHORT: {
-                const auto value = static_cast<float>(static_cast<std::int16_t>(p[0] | p[1] << 8));
-                return unit ? std::max(value / 32767.0f, -1.0f) : value;
-            }
-            default:
-                fail("has components that are neither floats nor bytes nor shorts");
-        }
-    }
-
-  private:
     const GltfDocument& document_;
     const std::string& what_;
     const tinygltf::Accessor& accessor_;

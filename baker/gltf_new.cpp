@@ -61,7 +61,7 @@ TriangleMesh transformed(const TriangleMesh& mesh, const glm::mat4& transform) {
 
 }  // namespace
 
-void write_new_glb_occlusion(const std::filesystem::path& output, const Scene& scene,
+void write_new_glb_occlusion(const std::filesystem::path& output, const ImportedScene& scene,
                              std::span<const std::vector<float>> visibility,
                              const OcclusionOutputOptions& options) {
     check_visibility(scene, visibility);

@@ -121,7 +121,7 @@ bool is_gpu_instanced(const Json& node) {
 }
 
 // The node that shows each instance once instancing by extension is expanded.
-std::vector<std::size_t> nodes_of_instances(GltfPatch& document, const Scene& scene) {
+std::vector<std::size_t> nodes_of_instances(GltfPatch& document, const ImportedScene& scene) {
     std::map<std::size_t, std::vector<std::size_t>> expanded;
     std::vector<std::size_t> nodes;
     for (const SceneInstance& instance : scene.instances) {
@@ -145,7 +145,7 @@ std::vector<std::size_t> nodes_of_instances(GltfPatch& document, const Scene& sc
     return nodes;
 }
 
-void add_occlusion(GltfPatch& document, const Scene& scene, std::span<const std::vector<float>> visibility,
+void add_occlusion(GltfPatch& document, const ImportedScene& scene, std::span<const std::vector<float>> visibility,
                    const OcclusionOutputOptions& options) {
     const std::vector<std::size_t> nodes = nodes_of_instances(document, scene);
     std::map<std::size_t, std::size_t> uses;  // of each mesh, by all nodes, also those outside the scene
@@ -172,7 +172,7 @@ void add_occlusion(GltfPatch& document, const Scene& scene, std::span<const std:
 }  // namespace
 
 void write_gltf_occlusion(const std::filesystem::path& input, const std::filesystem::path& output,
-                          const Scene& scene, std::span<const std::vector<float>> visibility,
+                          const ImportedScene& scene, std::span<const std::vector<float>> visibility,
                           const OcclusionOutputOptions& options) {
     check_visibility(scene, visibility);
     for (const SceneInstance& instance : scene.instances)

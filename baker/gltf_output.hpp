@@ -30,13 +30,12 @@ struct OcclusionOutputOptions {
 // is expanded into child nodes, since its instances would otherwise share one attribute; the extension leaves
 // the lists of used and required ones with its last node.
 //
-// Where the bytes go:
-// - .glb to .glb: at the end of the BIN chunk. Buffers and images in files stay in files.
-// - .gltf (or a GLB without BIN chunk) to .glb: one self-contained file, buffers and images moved into the
-// BIN chunk.
-// - to .gltf: into OUT.bin beside it, which takes a GLB's BIN chunk too. If the document refers to a file of
-// that name
-//   already, it is OUT_occlusion.bin (2, 3, ...). OUT.bin is written before OUT.gltf.
+// Where the bytes go. From .glb to .glb: to the end of the BIN chunk; buffers and images in files stay in
+// files. From .gltf (or a GLB without BIN chunk) to .glb: one self-contained file, buffers and images moved
+// into the BIN chunk. To .gltf: into OUT.bin beside it, which takes a GLB's BIN chunk too; if the document
+// refers to a file of that name already, it is OUT_occlusion.bin (2, 3, ...). OUT.bin is written before
+// OUT.gltf.
+//
 // Where the output's folder is another than the input's, files that the document refers to in or below the
 // input's folder are copied to the same place in the output's, but never over a file with other contents
 // (OutputError); files elsewhere ("../") stay where they are and get a new relative URI.

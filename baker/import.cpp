@@ -24,10 +24,10 @@ std::string what_was_left_out(const ImportReport& report) {
 
 }  // namespace
 
-Scene import_scene(const std::filesystem::path& path, const ImportOptions& options) {
+ImportedScene import_scene(const std::filesystem::path& path, const ImportOptions& options) {
     const std::string extension = path.extension().string();
     const auto is = [&](std::string_view name) { return equal_ignoring_case(extension, name); };
-    Scene scene;
+    ImportedScene scene;
     if (is(".gltf") || is(".glb"))
         scene = import_gltf(path);
     else if (is(".obj") || is(".ply") || is(".off") || is(".stl"))

@@ -6,7 +6,7 @@
 
 namespace dfield {
 
-Scene import_openmesh(const std::filesystem::path& path, const ImportOptions& options);  // OBJ, PLY, OFF, STL
-Scene import_gltf(const std::filesystem::path& path);                                    // glTF 2.0, GLB
+ImportedScene import_openmesh(const std::filesystem::path& path, const ImportOptions& options);  // OBJ, PLY, OFF, STL
+ImportedScene import_gltf(const std::filesystem::path& path);                                    // glTF 2.0, GLB
 
 }  // namespace dfield

@@ -113,9 +113,9 @@ class MeshImporter {
 
 }  // namespace
 
-Scene import_gltf(const std::filesystem::path& path) {
+ImportedScene import_gltf(const std::filesystem::path& path) {
     GltfDocument document = load_gltf_document(path);
-    Scene scene;
+    ImportedScene scene;
     scene.report.warnings = std::move(document.warnings);
     scene.nodes = gltf_nodes(document);
     MeshImporter importer(document, scene.report);

@@ -162,7 +162,7 @@ std::vector<std::string> read(const std::string& file, OpenMeshInput& input, Sou
     if (input.binary) options += OpenMesh::IO::Options::Binary;
     std::istringstream stream(std::move(input.bytes), std::ios::in | std::ios::binary);
     const bool read = OpenMesh::IO::IOManager().read(stream, input.extension, soup, options);
-    const std::vector<std::string> lines = log.lines();
+    std::vector<std::string> lines = log.lines();
     const bool complete = soup.face_end.size() == input.faces && soup.positions.size() == input.vertices;
     if (!read || (!complete && !input.welded))
         throw InputError(file + ": OpenMesh could not read it (" + std::to_string(soup.positions.size()) +
@@ -174,13 +174,13 @@ std::vector<std::string> read(const std::string& file, OpenMeshInput& input, Sou
 
 }  // namespace
 
-Scene import_openmesh(const std::filesystem::path& path, const ImportOptions& options) {
+ImportedScene import_openmesh(const std::filesystem::path& path, const ImportOptions& options) {
     const std::string file = path.string();
     OpenMeshInput input = reduce(path);
     if (input.vertices > 0x7fffffff || input.faces > 0x7fffffff)
         throw InputError(file + ": more than 2^31 - 1 vertices or faces");
     SoupImporter soup(input.extension == "obj");
-    Scene scene;
+    ImportedScene scene;
     for (const std::string& line : read(file, input, soup))
         scene.report.warnings.push_back("OpenMesh: " + line);
     if (input.extension == "obj") split_by_normals(soup);

@@ -7,7 +7,7 @@
 
 namespace dfield {
 
-void check_visibility(const Scene& scene, std::span<const std::vector<float>> visibility) {
+void check_visibility(const ImportedScene& scene, std::span<const std::vector<float>> visibility) {
     if (visibility.size() != scene.instances.size())
         throw std::invalid_argument("one array of visibility for each instance is needed");
     for (std::size_t i = 0; i < visibility.size(); ++i) {

@@ -15,7 +15,7 @@ namespace dfield {
 
 // One array for each instance, one finite value in 0..1 for each vertex. Throws std::invalid_argument
 // otherwise.
-void check_visibility(const Scene& scene, std::span<const std::vector<float>> visibility);
+void check_visibility(const ImportedScene& scene, std::span<const std::vector<float>> visibility);
 
 // COLOR_0 as RGBA accessor; returns its index. `colors` has four values a vertex, clamped to 0..1 as glTF
 // asks. 16-bit normalised, since COLOR_0 is linear and 8 bits would band in the dark.

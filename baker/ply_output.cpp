@@ -32,7 +32,7 @@ std::string header(std::size_t vertices, std::size_t faces) {
 
 }  // namespace
 
-void write_ply_occlusion(const std::filesystem::path& output, const Scene& scene,
+void write_ply_occlusion(const std::filesystem::path& output, const ImportedScene& scene,
                          std::span<const std::vector<float>> visibility) {
     check_visibility(scene, visibility);
     std::size_t vertex_count = 0, face_count = 0;

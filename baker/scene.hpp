@@ -39,7 +39,7 @@ struct SceneMesh {
 };
 
 struct SceneInstance {
-    std::uint32_t mesh = 0;  // index into Scene::meshes
+    std::uint32_t mesh = 0;  // index into ImportedScene::meshes
     glm::mat4 transform{1};  // object to world, column-major, last row 0 0 0 1
     std::string name;
     std::int32_t source_node = -1;   // glTF node index
@@ -49,7 +49,7 @@ struct SceneInstance {
 // A node of a glTF file, also one without a mesh: a group that --node can name.
 struct SceneNode {
     std::string name;          // "node_<index>" where the file gives none; meshes likewise "mesh_<index>"
-    std::int32_t parent = -1;  // index into Scene::nodes, -1 = root
+    std::int32_t parent = -1;  // index into ImportedScene::nodes, -1 = root
 };
 
 struct ImportedScene {
@@ -58,10 +58,6 @@ struct ImportedScene {
     std::vector<SceneNode> nodes;  // glTF only: index = source_node
     ImportReport report;
 };
-
-#ifndef DFIELD_DFIELD_HPP
-using Scene = ImportedScene;
-#endif
 
 struct ImportOptions {
     float crease_degrees =

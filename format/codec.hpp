@@ -25,12 +25,12 @@ RawSize distances_size(const FieldParameters& parameters);
 std::uint64_t plane_bytes(const FieldParameters& parameters);
 
 // Fills `plane` (plane_bytes, zeroed) from a MASK section. False when the bytes are no such section. Scratch
-// comes from `memory`: 64 KiB, 12 bytes a positional sample, 20 bytes a texel of one row.
+// comes from `memory`: 64 KiB, 12 bytes a positional sample, 12 bytes a texel of one row.
 bool decode_mask(const FieldParameters& parameters, std::span<const std::byte> raw,
                  std::span<std::uint8_t> plane, std::pmr::memory_resource* memory);
 
 // Fills `texels` (texel_bytes) from a DIST section. False when the bytes are no such section. 8, 16 and 32
-// bit only. Every value that it stores is valid. Scratch: 12 bytes a positional sample, 40 bytes a texel of
+// bit only. Every value that it stores is valid. Scratch: 12 bytes a positional sample, 48 bytes a texel of
 // one row.
 bool decode_distances(const FieldParameters& parameters, std::span<const std::byte> raw,
                       std::span<const std::uint8_t> plane, std::span<std::uint8_t> texels,

@@ -54,16 +54,20 @@ constexpr std::int32_t unfold_residual(std::uint32_t folded, std::int32_t predic
 
 namespace detail {
 
-// A row of texels as integers, with a miss before the first. T holds a + b - c of any three of them, and
-// more.
+// Texels that are prepared side by side.
+inline constexpr std::size_t kBlock = 16;
+
+// A row of texels as integers, with a miss before the first and misses after the last, up to a whole block. T
+// holds a + b - c of any three of them, and more.
 template<class T>
 class TexelRow {
   public:
     TexelRow(std::size_t map_size, std::int32_t miss, std::pmr::memory_resource* memory)
-        : values_(map_size + 1, static_cast<T>(miss), memory) {}
+        : map_size_(map_size),
+          values_((map_size + kBlock - 1) / kBlock * kBlock + 1, static_cast<T>(miss), memory) {}
 
     void load(const std::uint8_t* bytes, std::uint32_t bits) {
-        const std::size_t m = values_.size() - 1;
+        const std::size_t m = map_size_;
         if (bits == 8)
             for (std::size_t s = 0; s < m; ++s) values_[s + 1] = bytes[s];
         else if (bits == 16)
@@ -74,7 +78,7 @@ class TexelRow {
                 values_[s + 1] = static_cast<T>(load_le<std::uint32_t>(bytes + 4 * s));
     }
     void store(std::uint8_t* bytes, std::uint32_t bits) const {
-        const std::size_t m = values_.size() - 1;
+        const std::size_t m = map_size_;
         if (bits == 8)
             for (std::size_t s = 0; s < m; ++s) bytes[s] = static_cast<std::uint8_t>(values_[s + 1]);
         else if (bits == 16)
@@ -89,6 +93,7 @@ class TexelRow {
     T* data() { return values_.data() + 1; }
 
   private:
+    std::size_t map_size_;
     std::pmr::vector<T> values_;
 };
 
@@ -110,30 +115,30 @@ inline std::uint32_t half_octave(std::uint64_t value) {
     return octave == 0 ? 0 : 2 * octave + ((value + 1) >> (octave - 1) & 1);
 }
 
-// Predictions of the texels of a row: the median of up to nine candidates, each of which continues a plane
-// through three hits. Six are known before the row is, and their spread is the context; three are offsets
-// from the texel to the west.
+// Predictions: the median of up to nine candidates, each of which continues a plane through three hits. Six
+// are known before the texel to the west is, and their spread is the context; three are offsets from that
+// texel.
 template<class T>
-class RowPredictor {
+class Predictor {
   public:
-    RowPredictor(std::size_t map_size, std::int32_t miss, std::uint32_t classes,
-                 std::pmr::memory_resource* memory)
-        : m_(map_size), miss_(static_cast<T>(miss)), classes_(classes), values_(11 * map_size, memory) {}
+    Predictor(std::int32_t miss, std::uint32_t classes) : miss_(static_cast<T>(miss)), classes_(classes) {}
 
-    // Candidates of the whole row, sorted. Of the row itself it only sees which texels are hits. In passes
-    // over plain arrays, which compilers turn into vector code.
-    void prepare(const Rows<T>& r) {
-        plane(0, r.previous, r.north, r.previous_north);
-        plane(1, r.above, r.north, r.above_north);
-        plane(2, r.beside, r.north, r.beside_north);
-        plane(3, r.previous, r.previous, r.before_previous);
-        plane(4, r.above, r.above, r.before_above);
-        plane(5, r.previous, r.above, r.diagonal);
-        offset(6, r.north, r.current);
-        offset(7, r.previous, r.current);
-        offset(8, r.above, r.current);
-        count(9, 0, 6);
-        count(10, 6, 9);
+    // Sorts the candidates of texels begin..begin + kBlock - 1. Of the row itself it only sees which texels
+    // are hits. In passes of constant length over plain arrays, which compilers turn into vector code.
+    void prepare(const Rows<T>& rows, std::size_t begin) {
+        begin_ = begin;
+        const auto at = [begin](const T* row) { return row + begin; };
+        plane(0, at(rows.previous), at(rows.north), at(rows.previous_north));
+        plane(1, at(rows.above), at(rows.north), at(rows.above_north));
+        plane(2, at(rows.beside), at(rows.north), at(rows.beside_north));
+        plane(3, at(rows.previous), at(rows.previous), at(rows.before_previous));
+        plane(4, at(rows.above), at(rows.above), at(rows.before_above));
+        plane(5, at(rows.previous), at(rows.above), at(rows.diagonal));
+        offset(6, at(rows.north), at(rows.current));
+        offset(7, at(rows.previous), at(rows.current));
+        offset(8, at(rows.above), at(rows.current));
+        count(known_, 0, 6);
+        count(offsets_, 6, 9);
         order(0, 5), order(1, 3), order(2, 4);
         order(1, 2), order(3, 4);
         order(0, 3), order(2, 5);
@@ -142,21 +147,21 @@ class RowPredictor {
         order(6, 7), order(7, 8), order(6, 7);
     }
 
-    // Texel s of the row that was prepared; its west neighbour in rows.current is known by now.
-    Prediction predict(const Rows<T>& rows, std::ptrdiff_t s) const {
-        const T* const v = values_.data() + s;
-        const std::size_t known = static_cast<std::size_t>(v[9 * m_]),
-                          count = known + static_cast<std::size_t>(v[10 * m_]);
-        if (count == 0) return isolated(rows, s);
+    // Texel s of the block that was prepared; its west neighbour in rows.current is known by now.
+    Prediction predict(const Rows<T>& rows, std::size_t s) const {
+        const std::size_t i = s - begin_, known = static_cast<std::size_t>(known_[i]),
+                          count = known + static_cast<std::size_t>(offsets_[i]);
+        const T* const row = rows.current + s;
+        if (count == 0) return isolated({row[-1], rows.north[s], rows.previous[s], rows.above[s]});
         constexpr T kLowest = std::numeric_limits<T>::lowest();
-        const T sorted[9] = {kLowest,   kLowest,   kLowest,   v[0],     v[m_],
-                             v[2 * m_], v[3 * m_], v[4 * m_], v[5 * m_]};
+        const auto& v = candidates_;
+        const T sorted[9] = {kLowest, kLowest, kLowest, v[0][i], v[1][i], v[2][i], v[3][i], v[4][i], v[5][i]};
         const T* const x = sorted + 3;
-        const T west = rows.current[s - 1];
+        const T west = row[-1];
         const auto from_west = [west](T offset) {
             return offset == kAbsent ? kAbsent : static_cast<T>(west + offset);
         };
-        const T y0 = from_west(v[6 * m_]), y1 = from_west(v[7 * m_]), y2 = from_west(v[8 * m_]);
+        const T y0 = from_west(v[6][i]), y1 = from_west(v[7][i]), y2 = from_west(v[8][i]);
         // Place `rank` of both sorted lists together: the best split between them.
         const auto merged = [&](std::size_t rank) {
             const T* const last = x + rank;
@@ -171,38 +176,34 @@ class RowPredictor {
     // Greater than any candidate.
     static constexpr T kAbsent = std::numeric_limits<T>::max();
 
-    T* values(std::size_t kind) { return values_.data() + kind * m_; }
-
     // i + j - k where all are hits.
     void plane(std::size_t kind, const T* i, const T* j, const T* k) {
-        T* const out = values(kind);
+        T* const out = candidates_[kind];
         const T miss = miss_;
-        for (std::size_t s = 0; s < m_; ++s) {
+        for (std::size_t s = 0; s < kBlock; ++s) {
             const bool hits = (i[s] != miss) & (j[s] != miss) & (k[s] != miss);
             out[s] = hits ? static_cast<T>(i[s] + j[s] - k[s]) : kAbsent;
         }
     }
     // i less its west neighbour, where both and the west neighbour in `current` are hits.
     void offset(std::size_t kind, const T* i, const T* current) {
-        T* const out = values(kind);
+        T* const out = candidates_[kind];
         const T miss = miss_;
         const T *const west = i - 1, *const current_west = current - 1;
-        for (std::size_t s = 0; s < m_; ++s) {
+        for (std::size_t s = 0; s < kBlock; ++s) {
             const bool hits = (i[s] != miss) & (west[s] != miss) & (current_west[s] != miss);
             out[s] = hits ? static_cast<T>(i[s] - west[s]) : kAbsent;
         }
     }
-    void count(std::size_t kind, std::size_t first, std::size_t end) {
-        T* const out = values(kind);
-        std::fill(out, out + m_, T{0});
-        for (; first < end; ++first) {
-            const T* const in = values(first);
-            for (std::size_t s = 0; s < m_; ++s) out[s] = static_cast<T>(out[s] + (in[s] != kAbsent ? 1 : 0));
-        }
+    void count(T* out, std::size_t first, std::size_t end) const {
+        std::fill(out, out + kBlock, T{0});
+        for (; first < end; ++first)
+            for (std::size_t s = 0; s < kBlock; ++s)
+                out[s] = static_cast<T>(out[s] + (candidates_[first][s] != kAbsent ? 1 : 0));
     }
     void order(std::size_t kind_low, std::size_t kind_high) {
-        T *const low = values(kind_low), *const high = values(kind_high);
-        for (std::size_t s = 0; s < m_; ++s) {
+        T *const low = candidates_[kind_low], *const high = candidates_[kind_high];
+        for (std::size_t s = 0; s < kBlock; ++s) {
             const T a = low[s], b = high[s];
             low[s] = a < b ? a : b;
             high[s] = a < b ? b : a;
@@ -220,17 +221,18 @@ class RowPredictor {
     }
 
     // Without a candidate: the mean of the nearest hits.
-    Prediction isolated(const Rows<T>& rows, std::ptrdiff_t s) const {
+    Prediction isolated(const std::array<T, 4>& nearest) const {
         std::int64_t sum = 0, hits = 0;
-        for (const T value : {rows.current[s - 1], rows.north[s], rows.previous[s], rows.above[s]})
+        for (const T value : nearest)
             if (value != miss_) sum += value, ++hits;
         return {static_cast<std::int32_t>(hits != 0 ? sum / hits : miss_ / 2), classes_ * 3 / 2 + 1};
     }
 
-    std::size_t m_;
     T miss_;
     std::uint32_t classes_;
-    std::pmr::vector<T> values_;  // 6 sorted candidates, 3 sorted offsets, how many of each; m of each kind
+    std::size_t begin_ = 0;
+    T candidates_[9][kBlock];  // 0..5 sorted candidates, 6..8 sorted offsets from the texel to the west
+    T known_[kBlock], offsets_[kBlock];  // how many of each are not absent
 };
 
 template<class T, class Texel, class Coder>
@@ -249,7 +251,7 @@ void code_distances_as(const FieldParameters& parameters, std::span<const Neighb
                 previous_north = row_of_misses(), before_previous = row_of_misses(), above = row_of_misses(),
                 above_north = row_of_misses(), before_above = row_of_misses(), beside = row_of_misses(),
                 beside_north = row_of_misses(), diagonal = row_of_misses();
-    RowPredictor<T> predictor(m, miss, spread_classes(bits), memory);
+    Predictor<T> predictor(miss, spread_classes(bits));
     const auto load = [&](TexelRow<T>& row, std::uint32_t map, std::size_t t) {
         if (map == kNone || t >= m)  // t - 1 of row 0 wraps around
             row.clear();
@@ -287,11 +289,10 @@ void code_distances_as(const FieldParameters& parameters, std::span<const Neighb
                                    load(beside, b, t),
                                    load(beside_north, b, t - 1),
                                    load(diagonal, d, t)};
-                predictor.prepare(rows);
-                for (std::size_t s = 0; s < m; ++s)
-                    if (c[s] != miss)
-                        c[s] = static_cast<T>(
-                            coder.code(predictor.predict(rows, static_cast<std::ptrdiff_t>(s)), c[s]));
+                for (std::size_t s = 0; s < m; ++s) {
+                    if (s % kBlock == 0) predictor.prepare(rows, s);
+                    if (c[s] != miss) c[s] = static_cast<T>(coder.code(predictor.predict(rows, s), c[s]));
+                }
             }
             if constexpr (kDecoding) current.store(row, bits);
         }

@@ -89,6 +89,11 @@ double instance_distance(const Instance& instance, const glm::vec3& x, const glm
                          const dfield_ao& ao) {
     const Line line(glm::dvec3(instance.carry_point(x)), glm::dvec3(instance.carry_direction(w)));
     if (!line.meets_sphere || line.t_out <= 0) return kNone;
+    // A ray that starts beside the object's box and leads away from it cannot hit.
+    for (int axis = 0; axis < 3; ++axis) {
+        const double p = line.o[axis] - instance.box_centre[axis];
+        if (std::fabs(p) >= (1 - 1e-4) * instance.box_half[axis] && p * line.d[axis] > 0) return kNone;
+    }
 
     // Heights of the corners of the object's box over the receiver's tangent plane, in radii.
     double lowest = kNone, highest = -kNone;
@@ -103,7 +108,8 @@ double instance_distance(const Instance& instance, const glm::vec3& x, const glm
     if (highest <= 0) return kNone;
     if (lowest >= -1e-4) {
         // Wholly in front of the tangent plane: what is on the line is ahead.
-        const double t = look_up(*instance.field, line, line.t_in);
+        const bool from_exit = line.t_in < 0 && ao.any_hit();
+        const double t = look_up(*instance.field, line, from_exit ? line.t_out : line.t_in);
         return t == kNone ? kNone : std::max(t, 0.0);
     }
     const double bias = ao.bias;

@@ -2,6 +2,7 @@
 // instance's bounding sphere is the unit sphere.
 #pragma once
 
+#include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory_resource>
@@ -18,6 +19,23 @@ struct Plane {
     float distance;
 };
 
+// Half-lines that cannot meet a box because they start beside it and lead away, axis by axis. The bounding sphere and
+// the maps cannot tell this near contact, where a ray's backward extension grazes the object: without it, receivers at
+// the rim of a box that stands on their plane take half of their open rays for blocked.
+struct LeavingBox {
+    glm::vec3 outward{0};  // per axis: which way leads away (0: the origin lies between the box's faces)
+
+    LeavingBox(const glm::vec3& origin, const glm::vec3& box_centre, const glm::vec3& box_half) {
+        constexpr float kContact = 1 - 1e-4f;  // rounding must not put what touches a face inside
+        const glm::vec3 p = origin - box_centre;
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::fabs(p[axis]) >= kContact * box_half[axis]) outward[axis] = p[axis];
+    }
+    bool leaves(float dx, float dy, float dz) const {
+        return (outward.x * dx > 0) | (outward.y * dy > 0) | (outward.z * dz > 0);
+    }
+};
+
 struct Instance {
     dfield_field* field = nullptr;  // null: a free slot
     glm::mat3 to_unit{1};           // x_unit = to_unit * x_world + unit_offset
@@ -29,6 +47,9 @@ struct Instance {
     // Points carry the translation, directions do not; neither is renormalised, so t stays the world's.
     glm::vec3 carry_point(const glm::vec3& x) const { return to_unit * x + unit_offset; }
     glm::vec3 carry_direction(const glm::vec3& w) const { return to_unit * w; }
+
+    // For a ray in unit space.
+    LeavingBox leaving_box(const glm::vec3& origin) const { return {origin, box_centre, box_half}; }
 };
 
 }  // namespace dfield::runtime

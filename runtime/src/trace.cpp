@@ -43,17 +43,22 @@ float ground_hit(const dfield_scene& scene, const Ray& ray) {
     return std::max(height, 0.0f) / -approach;
 }
 
+// The chord of a ray in an instance's sphere; false where the ray cannot hit the object.
+bool chord_of_ray(const Instance& instance, const Ray& ray, Chord& chord) {
+    const glm::vec3 origin = instance.carry_point(ray.origin), direction = instance.carry_direction(ray.direction);
+    return !instance.leaving_box(origin).leaves(direction.x, direction.y, direction.z) &&
+           chord_of_line(origin, direction, chord);
+}
+
 float instance_hit(const Instance& instance, const Ray& ray) {
     Chord chord;
-    if (!chord_of_line(instance.carry_point(ray.origin), instance.carry_direction(ray.direction), chord))
-        return kInfinity;
+    if (!chord_of_ray(instance, ray, chord)) return kInfinity;
     return with_bits(*instance.field, [&]<int kBits>() { return first_hit<kBits>(*instance.field, chord); });
 }
 
 bool instance_occludes(const Instance& instance, const Ray& ray) {
     Chord chord;
-    if (!chord_of_line(instance.carry_point(ray.origin), instance.carry_direction(ray.direction), chord))
-        return false;
+    if (!chord_of_ray(instance, ray, chord)) return false;
     return with_bits(*instance.field, [&]<int kBits>() {
         return ray.max_distance == kInfinity ? hit_beyond<kBits>(*instance.field, chord, 0)
                                              : first_hit<kBits>(*instance.field, chord) <= ray.max_distance;

@@ -47,10 +47,10 @@ Side side_of_plane(const Instance& instance, const glm::vec3& origin, const glm:
     return height - extent >= -kContactTolerance * length ? Side::kInFront : Side::kCutting;
 }
 
-// Indices of the rays of a block that meet the unit sphere ahead of the origin. `carry` takes the local
+// Indices of the rays of a block that meet the unit sphere ahead of the origin and may meet the object's box. `carry` takes the local
 // direction of a ray to the sphere's space.
 std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, const glm::mat3& carry,
-                 const glm::vec3& origin, std::uint16_t* survivors) {
+                 const glm::vec3& origin, const LeavingBox& box, std::uint16_t* survivors) {
     const float* const x = ao.x.data() + begin;
     const float* const y = ao.y.data() + begin;
     const float* const z = ao.z.data() + begin;
@@ -63,7 +63,7 @@ std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, cons
         const float approach = origin.x * dx + origin.y * dy + origin.z * dz;
         const float square = dx * dx + dy * dy + dz * dz;
         meets[i] = static_cast<std::uint8_t>((approach * approach > square * outside) &
-                                             ((approach < 0) | (outside <= 0)));
+                                             ((approach < 0) | (outside <= 0)) & !box.leaves(dx, dy, dz));
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -76,8 +76,11 @@ std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, cons
 template<int kBits>
 float hit_distance(const dfield_field& field, const Chord& chord, Side side, const dfield_ao& ao) {
     if (side == Side::kInFront) {
-        // Every hit on the line is ahead of the receiver, so the first one is the nearest.
-        const LineHit hit = look_up<kBits>(field, chord, LineEnd::kEntry);
+        // Every hit on the line is ahead of the receiver: from inside the sphere, too, whether there is one needs no
+        // depth. The exit point is the better end to ask then, since its sample lies farther from the receiver.
+        const bool inside = chord.t_in() < 0;
+        const LineHit hit =
+            look_up<kBits>(field, chord, inside && ao.any_hit() ? LineEnd::kExit : LineEnd::kEntry);
         return hit.hit ? std::max(hit.t, 0.0f) : kInfinity;
     }
     if (ao.any_hit()) return hit_beyond<kBits>(field, chord, ao.bias) ? 0 : kInfinity;
@@ -93,7 +96,7 @@ void add_instance(const Instance& instance, const dfield_ao& ao, const Receiver&
     const glm::mat3 carry =
         instance.to_unit * glm::mat3(receiver.frame.tangent, receiver.frame.bitangent, receiver.frame.normal);
     std::array<std::uint16_t, kBlock> survivors;
-    const std::size_t kept = cull(ao, begin, count, carry, origin, survivors.data());
+    const std::size_t kept = cull(ao, begin, count, carry, origin, instance.leaving_box(origin), survivors.data());
     const bool any_hit = ao.any_hit();
     with_bits(*instance.field, [&]<int kBits>() {
         for (std::size_t k = 0; k < kept; ++k) {

@@ -61,8 +61,10 @@ double brute_force_radius(const std::vector<glm::vec3>& points) {
 
 double largest_distance(const TriangleMesh& mesh, const glm::vec3& centre) {
     double largest = 0;
-    for (const glm::vec3& p : mesh.positions)
-        largest = std::max(largest, glm::distance(glm::dvec3(p), glm::dvec3(centre)));
+    for (const glm::uvec3& triangle : mesh.triangles)
+        for (int corner = 0; corner < 3; ++corner)
+            largest = std::max(
+                largest, glm::distance(glm::dvec3(mesh.positions[triangle[corner]]), glm::dvec3(centre)));
     return largest;
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("neighbours come earlier in the file and lie near on the sphere") {
             const auto neighbours = position_neighbours(p, std::pmr::get_default_resource());
             REQUIRE(neighbours.size() == points.size());
             // Rings are at most this far apart; the factor covers the poles of the latitude-longitude grid.
-            const double reach = 3.3 / n;
+            const double reach = 3.6 / n;
             std::size_t missing = 0;
             for (std::uint32_t i = 0; i < neighbours.size(); ++i)
                 for (const std::uint32_t j :

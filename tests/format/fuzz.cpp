@@ -65,13 +65,22 @@ Bytes mutated(Bits& random, const FileEditor& source, const Bytes& bytes) {
     }
     FileEditor editor = source;
     auto& section = editor.sections[random.below(editor.sections.size())];
-    switch (random.below(8)) {
+    switch (random.below(12)) {
         case 0:
+            std::swap(section, editor.sections[random.below(editor.sections.size())]);
+            break;
+        case 1:
+            editor.sections.push_back(FileEditor::Section(section));
+            break;
+        case 2:
+            editor.erase(section.id);
+            break;
+        case 3:
             section.frame = zstd_frame(section.raw);
             section.raw_bytes = section.raw.size();
             mutate_bytes(random, section.frame);
             break;
-        case 1:
+        case 4:
             section.frame = zstd_frame(section.raw);
             section.raw_bytes = random.next() >> random.below(64);
             break;
@@ -118,10 +127,11 @@ TEST_CASE("mutated files are refused, or are fields") {
     CHECK(outcomes["unknown"] == 0);
     // The mutations get to all stages.
     for (const char* stage :
-         {"accepted",        "version",           "section-count",   "section-flags",    "section-order",
-          "section-unknown", "section-placement", "section-padding", "section-raw-size", "section-frame",
-          "reserved",        "parameters",        "memory-limit",    "not-finite",       "radius",
-          "bounds",          "hit-mask",          "distances",       "provenance",       "payload-hash"}) {
+         {"accepted",        "version",         "section-count",     "section-flags",   "section-order",
+          "section-unknown", "section-missing", "section-placement", "section-padding", "section-raw-size",
+          "section-frame",   "reserved",        "parameters",        "memory-limit",    "not-finite",
+          "radius",          "bounds",          "hit-mask",          "distances",       "provenance",
+          "payload-hash"}) {
         INFO(stage);
         CHECK(outcomes[stage] > 0);
     }

@@ -143,7 +143,7 @@ TEST_CASE("sections lie where they must") {
     constexpr std::uint64_t kMinusEight = ~std::uint64_t{7};
     for (const std::uint64_t by : {std::uint64_t{8}, std::uint64_t{1}, kMinusEight, std::uint64_t{1} << 63}) {
         check_refused(shift(1, layout::kEntryOffsetAt, by), Code::kSectionPlacement);
-        check_refused(shift(1, layout::kEntryStoredAt, by + 8), Code::kSectionPlacement);
+        check_refused(shift(1, layout::kEntryStoredAt, 2 * by + 8), Code::kSectionPlacement);
         check_refused(shift(4, layout::kEntryStoredAt, by), Code::kSectionPlacement);
     }
     check_refused(
@@ -358,7 +358,12 @@ TEST_CASE("the distances' rules") {
                                     }
                             }),
                   Code::kDistances);
-    check_refused(distances(kEight, [&](Bytes& raw) { raw[data] ^= std::byte{1}; }), Code::kPayloadHash);
+    // A single hit, whose residual could be another.
+    DisplacementField single = make_field(kEight, Pattern::kAllMiss);
+    single.texels.back() = 100;
+    FileEditor editor{write_field(single)};
+    editor["DIST"].raw.back() ^= std::byte{1};
+    check_refused(editor.build(), Code::kPayloadHash);
     for (const std::uint32_t bits : {16u, 32u}) {
         FieldParameters p = kEight;
         p.bits = bits;

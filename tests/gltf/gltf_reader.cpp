@@ -182,7 +182,7 @@ void SmallGltf::write_gltf(const std::filesystem::path& path, const std::string&
     write_file_atomic(path, document.dump());
 }
 
-std::vector<std::vector<float>> test_visibility(const Scene& scene) {
+std::vector<std::vector<float>> test_visibility(const ImportedScene& scene) {
     std::vector<std::vector<float>> visibility;
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const SceneMesh& mesh = scene.meshes[scene.instances[i].mesh];
@@ -194,10 +194,10 @@ std::vector<std::vector<float>> test_visibility(const Scene& scene) {
     return visibility;
 }
 
-void check_occlusion(const std::filesystem::path& written, const Scene& scene,
+void check_occlusion(const std::filesystem::path& written, const ImportedScene& scene,
                      const std::vector<std::vector<float>>& visibility) {
     INFO(written);
-    const Scene again = import_scene(written);
+    const ImportedScene again = import_scene(written);
     const GltfFile file = read_gltf(written);
     REQUIRE(again.instances.size() == scene.instances.size());
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {

@@ -52,11 +52,11 @@ struct SmallGltf {
 };
 
 // Different values for every instance and vertex of a primitive; equal for primitives that share positions.
-std::vector<std::vector<float>> test_visibility(const Scene& scene);
+std::vector<std::vector<float>> test_visibility(const ImportedScene& scene);
 
 // Whether every primitive of every instance has the values that it was given, in a file whose instances are
 // those of `scene` in the same order and at the same places.
-void check_occlusion(const std::filesystem::path& written, const Scene& scene,
+void check_occlusion(const std::filesystem::path& written, const ImportedScene& scene,
                      const std::vector<std::vector<float>>& visibility);
 
 }  // namespace dfield::test

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void occlude(const fs::path& input, const fs::path& output) {
-    const Scene scene = import_scene(input);
+    const ImportedScene scene = import_scene(input);
     const auto visibility = test_visibility(scene);
     write_gltf_occlusion(input, output, scene, visibility, {});
     check_occlusion(output, scene, visibility);
@@ -79,7 +79,7 @@ TEST_CASE("a file of other contents in the output's folder is not overwritten") 
     const fs::path folder = scratch("conflict");
     fs::create_directories(folder / "in");
     SmallGltf().write_gltf(folder / "in" / "scene.gltf", "geometry.bin");
-    const Scene scene = import_scene(folder / "in" / "scene.gltf");
+    const ImportedScene scene = import_scene(folder / "in" / "scene.gltf");
     const auto visibility = test_visibility(scene);
     write_file_atomic(folder / "geometry.bin", std::string_view("somebody else's"));
     CHECK_THROWS_WITH(

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 TEST_CASE("a new GLB from an OBJ holds its geometry, normals and visibility") {
     const fs::path folder = scratch("new");
-    Scene scene = import_scene(source_file("models/cube_with_hole.obj"));
+    ImportedScene scene = import_scene(source_file("models/cube_with_hole.obj"));
     const glm::mat4 mirrored = glm::scale(glm::translate(glm::mat4(1), {3, 0, 0}), {-1, 2, 0.5f});
     const glm::mat4 sheared = glm::scale(glm::mat4(1), {1, 3, 1}) *
                               glm::rotate(glm::mat4(1), 0.7f, glm::vec3(1, 2, 0)) *
@@ -27,7 +27,7 @@ TEST_CASE("a new GLB from an OBJ holds its geometry, normals and visibility") {
     }
     write_new_glb_occlusion(folder / "cube.glb", scene, visibility, {.color = true});
 
-    const Scene again = import_scene(folder / "cube.glb");
+    const ImportedScene again = import_scene(folder / "cube.glb");
     const GltfFile file = read_gltf(folder / "cube.glb");
     REQUIRE(again.instances.size() == 3);
     const TriangleMesh& before = scene.meshes[0].mesh;
@@ -59,7 +59,7 @@ TEST_CASE("a new GLB from an OBJ holds its geometry, normals and visibility") {
 
 TEST_CASE("without --color there are no colours, and .gltf works as well") {
     const fs::path folder = scratch("new gltf");
-    const Scene scene = import_scene(source_file("models/corner.obj"));
+    const ImportedScene scene = import_scene(source_file("models/corner.obj"));
     const std::vector<std::vector<float>> visibility{
         std::vector<float>(scene.meshes[0].mesh.positions.size(), 0.5f)};
     write_new_glb_occlusion(folder / "corner.gltf", scene, visibility, {});

@@ -49,7 +49,7 @@ TEST_CASE("one node: the attribute is added and nothing else changes") {
     const SmallGltf small;
     const std::vector<std::byte> other{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
     small.write_glb(folder / "in.glb", other);
-    const Scene scene = import_scene(folder / "in.glb");
+    const ImportedScene scene = import_scene(folder / "in.glb");
     const auto visibility = test_visibility(scene);
     write_gltf_occlusion(folder / "in.glb", folder / "out.glb", scene, visibility, {});
     check_occlusion(folder / "out.glb", scene, visibility);
@@ -74,7 +74,7 @@ TEST_CASE("a mesh of several nodes is cloned for each, sharing its other accesso
     small.json["scenes"][0]["nodes"].push_back(2);
     const auto write = [&](const char* in, const char* out) {
         small.write_glb(folder / in);
-        const Scene scene = import_scene(folder / in);
+        const ImportedScene scene = import_scene(folder / in);
         const auto visibility = test_visibility(scene);
         write_gltf_occlusion(folder / in, folder / out, scene, visibility, {});
         check_occlusion(folder / out, scene, visibility);
@@ -116,7 +116,7 @@ TEST_CASE("instances by extension become child nodes") {
     small.json["extensionsRequired"] = Json::array({"EXT_mesh_gpu_instancing"});
     small.write_glb(folder / "in.glb");
 
-    const Scene scene = import_scene(folder / "in.glb");
+    const ImportedScene scene = import_scene(folder / "in.glb");
     REQUIRE(scene.instances.size() == 2);
     const auto visibility = test_visibility(scene);
     write_gltf_occlusion(folder / "in.glb", folder / "out.glb", scene, visibility, {});
@@ -145,7 +145,7 @@ TEST_CASE("primitives that share positions share the attribute where their value
     primitives[0]["indices"] = small.add_accessor(first, 3, 5121, "SCALAR", 3);
     primitives[1]["indices"] = small.add_accessor(second, 3, 5121, "SCALAR", 3);
     small.write_glb(folder / "in.glb");
-    const Scene scene = import_scene(folder / "in.glb");
+    const ImportedScene scene = import_scene(folder / "in.glb");
     REQUIRE(scene.meshes[0].mesh.positions.size() == 8);
 
     const auto occlusion = [&](const std::vector<float>& values, std::size_t primitive, const char* name) {
@@ -171,7 +171,7 @@ TEST_CASE("colours are grey, or the file's times visibility") {
     const std::vector<std::vector<float>> visibility{{0.0f, 0.25f, 0.5f, 1.0f}};
     const auto colors = [&](const SmallGltf& small, const char* name) {
         small.write_glb(folder / (std::string("in_") + name));
-        const Scene scene = import_scene(folder / (std::string("in_") + name));
+        const ImportedScene scene = import_scene(folder / (std::string("in_") + name));
         write_gltf_occlusion(folder / (std::string("in_") + name), folder / name, scene, visibility,
                              {.color = true});
         check_occlusion(folder / name, scene, visibility);
@@ -214,7 +214,7 @@ TEST_CASE("what does not fit is refused before anything is written") {
     const fs::path folder = scratch("refused");
     SmallGltf small;
     small.write_glb(folder / "in.glb");
-    const Scene scene = import_scene(folder / "in.glb");
+    const ImportedScene scene = import_scene(folder / "in.glb");
     const auto write = [&](const std::vector<std::vector<float>>& visibility) {
         write_gltf_occlusion(folder / "in.glb", folder / "out.glb", scene, visibility, {});
     };
@@ -255,7 +255,7 @@ TEST_CASE("the project's own scene and the shared ones come back with their valu
          {"BoxVertexColors", "CesiumMilkTruck", "lemon_grove_ext_instancing", "lemon_grove_nodes"})
         if (const auto path = shared_file(std::string("scenes/") + name + ".glb")) inputs.push_back(*path);
     for (const fs::path& input : inputs) {
-        const Scene scene = import_scene(input);
+        const ImportedScene scene = import_scene(input);
         const auto visibility = test_visibility(scene);
         const fs::path output = folder / input.filename();
         write_gltf_occlusion(input, output, scene, visibility,

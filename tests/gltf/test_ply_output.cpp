@@ -25,7 +25,7 @@ struct Vertex {
 
 TEST_CASE("a PLY holds all instances in world space with quality and greys") {
     const fs::path folder = scratch("ply");
-    const Scene scene = import_scene(source_file("models/scene_instances.glb"));
+    const ImportedScene scene = import_scene(source_file("models/scene_instances.glb"));
     const auto visibility = test_visibility(scene);
     write_ply_occlusion(folder / "scene.ply", scene, visibility);
     const std::vector<std::byte> bytes = read_file(folder / "scene.ply");
@@ -62,13 +62,13 @@ TEST_CASE("a PLY holds all instances in world space with quality and greys") {
 
 TEST_CASE("our own importer reads the PLY, with faces and normals on the same side") {
     const fs::path folder = scratch("ply again");
-    Scene scene = import_scene(source_file("models/scene_instances.glb"));
+    ImportedScene scene = import_scene(source_file("models/scene_instances.glb"));
     // Cubes only: faceted, so that every vertex normal is its face's.
     std::erase_if(scene.instances,
                   [&](const SceneInstance& i) { return scene.meshes[i.mesh].name != "cube_with_hole"; });
     REQUIRE(scene.instances.size() == 5);
     write_ply_occlusion(folder / "cubes.ply", scene, test_visibility(scene));
-    const Scene again = import_scene(folder / "cubes.ply");
+    const ImportedScene again = import_scene(folder / "cubes.ply");
     const TriangleMesh& mesh = again.meshes[0].mesh;
     CHECK(again.report.triangles == 5 * 32);
     for (const glm::uvec3& t : mesh.triangles) {

@@ -8,21 +8,21 @@
 
 using Catch::Contains;
 using dfield::import_scene;
-using dfield::Scene;
+using dfield::ImportedScene;
 using dfield::test::area;
 using dfield::test::bytes_of;
 using dfield::test::TestFolder;
 
 namespace {
 
-Scene import_text(const std::string& name, const std::string& bytes) {
+ImportedScene import_text(const std::string& name, const std::string& bytes) {
     const TestFolder folder;
     return import_scene(folder.write(name, bytes));
 }
 
 const std::vector<glm::vec3> kSquare = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
 
-void check_square(const Scene& scene) {
+void check_square(const ImportedScene& scene) {
     REQUIRE(scene.meshes.size() == 1);
     REQUIRE(scene.instances.size() == 1);
     const dfield::TriangleMesh& mesh = scene.meshes[0].mesh;
@@ -79,13 +79,13 @@ TEST_CASE("OBJ: quads, negative indices, continued lines, colours, unknown lines
 }
 
 TEST_CASE("OBJ: normals of the file are kept, vertices whose corners disagree are split") {
-    const Scene same =
+    const ImportedScene same =
         import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvn 0 0 2\nf 1//1 2//1 3//1 4//1\n");
     check_square(same);
-    const Scene kept = import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nvn 1 0 0\nf 1//1 2//-1 3//1\n");
+    const ImportedScene kept = import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nvn 1 0 0\nf 1//1 2//-1 3//1\n");
     for (const glm::vec3& n : kept.meshes[0].mesh.normals) CHECK(n == glm::vec3(1, 0, 0));
     // A roof: the ridge 2-3 has one normal per side.
-    const Scene roof = import_text("roof.obj",
+    const ImportedScene roof = import_text("roof.obj",
                                    "v 0 0 0\nv 1 0 1\nv 1 1 1\nv 2 0 0\nvn -1 0 1\nvn 1 0 1\n"
                                    "f 1//1 2//1 3//1\nf 3//2 2//2 4//2\n");
     const dfield::TriangleMesh& mesh = roof.meshes[0].mesh;
@@ -96,17 +96,17 @@ TEST_CASE("OBJ: normals of the file are kept, vertices whose corners disagree ar
         CHECK(mesh.normals[mesh.triangles[1][k]].x == Approx(std::sqrt(0.5)));
     }
     // Where a corner has no (usable) normal, it is computed.
-    const Scene mixed =
+    const ImportedScene mixed =
         import_text("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nvn nan 0 0\nf 1//1 2 3//2\n");
     CHECK(mixed.meshes[0].mesh.normals == std::vector<glm::vec3>{{1, 0, 0}, {0, 0, 1}, {0, 0, 1}});
 }
 
 TEST_CASE("OBJ: concave polygons and polygons with a hole keep their area") {
-    const Scene notch = import_text("a.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 2 0 1\nv 0 0 4\nf 1 2 3 4 5\n");
+    const ImportedScene notch = import_text("a.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 2 0 1\nv 0 0 4\nf 1 2 3 4 5\n");
     CHECK(notch.report.triangles == 3);
     CHECK(area(notch.meshes[0].mesh) == Approx(10));
     // The hole is joined by a seam: vertices 1 and 5 stand twice in the face.
-    const Scene hole = import_text("a.obj",
+    const ImportedScene hole = import_text("a.obj",
                                    "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
                                    "f 1 2 3 4 1 5 6 7 8 5\n");
     CHECK(hole.report.faces == 1);
@@ -118,7 +118,7 @@ TEST_CASE("OBJ: concave polygons and polygons with a hole keep their area") {
 TEST_CASE("OBJ: duplicates and non-manifold faces stay, what cannot be hit is counted") {
     const std::string vertices =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 2 0 0\nv nan 0 0\nv 0 inf 0\nv 1e99 0 0\n";
-    const Scene scene =
+    const ImportedScene scene =
         import_text("a.obj", vertices +
                                  "f 1 2 3\nf 1 2 3\nf 3 2 1\nf 1 2 4\nf 2 1 5 4\n"  // usable
                                  "f 1 1 2\nf 1 2 5\nf 1 2\n"                        // no area
@@ -153,7 +153,7 @@ TEST_CASE("PLY: text and both byte orders, foreign properties and elements, norm
                     "element vertex 4\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
                     "element face 1\r\nproperty list uchar int vertex_indices\r\nelement end 0\r\n"
                     "end_header\r\n2 0 1\r\n0\r\n0 0 0\r\n2 0 0\r\n2 2 0\r\n0 2 0\r\n4 0 1 2 3\r\n"));
-    const Scene scene = import_text(
+    const ImportedScene scene = import_text(
         "n.ply",
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
@@ -175,7 +175,7 @@ TEST_CASE("PLY: what cannot be hit is counted in text and binary alike") {
     const std::string text = "ply\nformat ascii 1.0\n" + head +
                              "0 0 0\n1 0 0\n0 1 0\n-nan(ind) 0 0\n3 0 1 2\n3 0 1 3\n3 0 0 2\n3 0 -1 2\n";
     for (const std::string& bytes : {binary, text}) {
-        const Scene scene = import_text("a.ply", bytes);
+        const ImportedScene scene = import_text("a.ply", bytes);
         CHECK(scene.report.faces == 4);
         CHECK(scene.report.triangles == 1);
         CHECK(scene.report.not_finite == 1);
@@ -195,10 +195,10 @@ TEST_CASE("OFF: its headers, comments, colours and bad faces") {
     check_square(import_text("a.off",
                              "# made by\nCOFF\n# counts\n4 1 0\n\n0 0 0 1 0 0 1\n2 0 0 0.5 0 0 1 # red\n"
                              "2 2 0 255 0 0\n0 2 0\n4 0 1 2 3 255 0 0\n"));
-    const Scene normals =
+    const ImportedScene normals =
         import_text("a.off", "NOFF\n3 1 0\n0 0 0 1 0 0\n1 0 0 1 0 0\n0 1 0 1 0 0\n3 0 1 2\n");
     for (const glm::vec3& n : normals.meshes[0].mesh.normals) CHECK(n == glm::vec3(1, 0, 0));
-    const Scene bad = import_text(
+    const ImportedScene bad = import_text(
         "a.off", "OFF\n4 5 0\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n3 0 1 2\n3 0 1 7\n3 0 -1 2\n3 0 1 3\n2 0 1\n");
     CHECK(bad.report.triangles == 1);
     CHECK(bad.report.index_out_of_range == 2);
@@ -216,13 +216,13 @@ TEST_CASE("STL: text and binary are welded, also binary that starts with 'solid'
         "0\nENDLOOP\nENDFACET\nendsolid a b\n";
     for (const std::string& bytes :
          {binary_stl("made by", {facet, other}), binary_stl("solid", {facet, other}), text}) {
-        const Scene scene = import_text("a.stl", bytes);
+        const ImportedScene scene = import_text("a.stl", bytes);
         CHECK(scene.meshes[0].mesh.positions == kSquare);
         CHECK(scene.meshes[0].mesh.triangles == std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}});
         CHECK(scene.report.faces == 2);
     }
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    const Scene bad =
+    const ImportedScene bad =
         import_text("a.stl", binary_stl("", {stl_facet({{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}}), facet, facet,
                                              stl_facet({{0, 0, 0}, {0, 0, 0}, {1, 0, 0}}),
                                              stl_facet({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}})}));

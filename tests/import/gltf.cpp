@@ -8,14 +8,14 @@
 using Catch::Contains;
 using dfield::flatten_scene;
 using dfield::import_scene;
-using dfield::Scene;
+using dfield::ImportedScene;
 using dfield::TriangleMesh;
 using nlohmann::json;
 using namespace dfield::test;
 
 namespace {
 
-Scene import_built(const GltfBuilder& builder) {
+ImportedScene import_built(const GltfBuilder& builder) {
     const TestFolder folder;
     return import_scene(folder.write("a.glb", builder.glb()));
 }
@@ -31,7 +31,7 @@ GltfBuilder square() {
     return b;
 }
 
-void check_square(const Scene& scene) {
+void check_square(const ImportedScene& scene) {
     REQUIRE(scene.meshes.size() == 1);
     const TriangleMesh& mesh = scene.meshes[0].mesh;
     REQUIRE(mesh.positions.size() == 4);
@@ -43,7 +43,7 @@ void check_square(const Scene& scene) {
 }
 
 // World positions, sorted by node order.
-std::vector<glm::vec3> world(const Scene& scene) {
+std::vector<glm::vec3> world(const ImportedScene& scene) {
     return flatten_scene(scene).positions;
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("indices of every type, and none") {
     GltfBuilder b;
     b.mesh(b.floats({0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 0, 0, 2, 2, 0, 0, 2, 0}));
     b.node({{"mesh", 0}});
-    const Scene scene = import_built(b);
+    const ImportedScene scene = import_built(b);
     CHECK(scene.meshes[0].mesh.triangles == std::vector<glm::uvec3>{{0, 1, 2}, {3, 4, 5}});
 }
 
@@ -75,7 +75,7 @@ TEST_CASE("strips and fans keep the winding, points and lines are counted") {
     GltfBuilder strip;
     strip.mesh(strip.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}), -1, 5);
     strip.node({{"mesh", 0}});
-    const Scene strips = import_built(strip);
+    const ImportedScene strips = import_built(strip);
     CHECK(strips.meshes[0].mesh.triangles == std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}, {2, 3, 4}});
     for (const glm::vec3& n : strips.meshes[0].mesh.normals) CHECK(n == glm::vec3(0, 0, 1));
 
@@ -95,7 +95,7 @@ TEST_CASE("strips and fans keep the winding, points and lines are counted") {
         stitched.json["meshes"][0]["primitives"].push_back(primitive);
     }
     stitched.node({{"mesh", 0}});
-    const Scene scene = import_built(stitched);
+    const ImportedScene scene = import_built(stitched);
     CHECK(scene.report.faces == 6);
     CHECK(scene.report.degenerate == 4);
     CHECK(scene.report.triangles == 2);
@@ -194,7 +194,7 @@ TEST_CASE(
     second["attributes"]["NORMAL"] = b.floats({0, 3, 0, 0, 3, 0, 0, 3, 0, 0, 3, 0});
     b.json["meshes"][0]["primitives"].push_back(line);
     b.json["meshes"][0]["primitives"].push_back(second);
-    const Scene scene = import_built(b);
+    const ImportedScene scene = import_built(b);
     REQUIRE(scene.meshes.size() == 1);
     const dfield::SceneMesh& mesh = scene.meshes[0];
     CHECK(mesh.name == "table");
@@ -231,7 +231,7 @@ TEST_CASE("bad triangles are counted and the rest is kept in place") {
                    kUnsignedShort, "SCALAR", 17);
     b.mesh(b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, nan, 0, 0}), indices);
     b.node({{"mesh", 0}});
-    const Scene scene = import_built(b);
+    const ImportedScene scene = import_built(b);
     CHECK(scene.report.faces == 5);
     CHECK(scene.report.triangles == 1);
     CHECK(scene.report.index_out_of_range == 2);
@@ -252,7 +252,7 @@ TEST_CASE("nodes: TRS, matrices, hierarchies, mirrors") {
         {{"matrix", {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1}}, {"children", {3}}},
         {{"mesh", 0}, {"name", "leaf"}},
         {{"mesh", 0}, {"name", "in no scene"}}};
-    const Scene scene = import_built(b);
+    const ImportedScene scene = import_built(b);
     REQUIRE(scene.instances.size() == 3);
     CHECK(scene.instances[0].source_node == 0);
     CHECK(scene.instances[1].source_node == 1);
@@ -310,7 +310,7 @@ TEST_CASE("EXT_mesh_gpu_instancing is the same as nodes, also with quantised rot
                               {"translation", {1, 2, 3}},
                               {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}};
         b.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
-        const Scene scene = import_built(b);
+        const ImportedScene scene = import_built(b);
         REQUIRE(scene.instances.size() == 2);
         CHECK(scene.instances[1].gpu_instance == 1);
         CHECK(scene.instances[1].source_node == 0);
@@ -329,7 +329,7 @@ TEST_CASE("a mesh or a node can be chosen by name") {
                        {{"name", "legs"}, {"children", {3, 4}}},
                        {{"name", "leg"}, {"mesh", 1}},
                        {{"name", "leg"}, {"mesh", 1}, {"translation", {2, 0, 0}}}};
-    const Scene scene = import_built(b);
+    const ImportedScene scene = import_built(b);
     CHECK(flatten_scene(scene).triangles.size() == 4);
     const TriangleMesh top = flatten_scene(scene, "top");
     CHECK(top.triangles.size() == 2);

@@ -194,7 +194,7 @@ TEST_CASE("every prefix and every flipped byte of a GLB is read or refused") {
     const auto check = [&](const std::string& bytes) {
         const auto path = folder.write("a.glb", bytes);
         try {
-            const dfield::Scene scene = import_scene(path);
+            const dfield::ImportedScene scene = import_scene(path);
             dfield::flatten_scene(scene);
         } catch (const InputError&) {
         }

@@ -18,7 +18,7 @@ namespace {
 void check_no_harm(const TestFolder& folder, const std::string& name, const std::string& bytes) {
     const auto path = folder.write(name, bytes);
     try {
-        const dfield::Scene scene = import_scene(path);
+        const dfield::ImportedScene scene = import_scene(path);
         for (const glm::uvec3& t : scene.meshes.at(0).mesh.triangles)
             for (int k = 0; k < 3; ++k) REQUIRE(t[k] < scene.meshes[0].mesh.positions.size());
         REQUIRE(scene.meshes[0].mesh.normals.size() == scene.meshes[0].mesh.positions.size());

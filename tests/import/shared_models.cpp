@@ -21,7 +21,7 @@ TEST_CASE("models come in with all their triangles and vertices") {
     for (const Known& model : known) {
         const auto path = dfield::test::shared_file(std::string("models/") + model.file);
         if (!path) continue;
-        const dfield::Scene scene = dfield::import_scene(*path);
+        const dfield::ImportedScene scene = dfield::import_scene(*path);
         INFO(model.file);
         CHECK(scene.report.triangles == model.triangles);
         CHECK(scene.report.faces == model.triangles);
@@ -39,7 +39,7 @@ TEST_CASE("a grove by nodes and by EXT_mesh_gpu_instancing is the same set of tr
     const auto by_nodes = dfield::test::shared_file("scenes/lemon_grove_nodes.glb");
     const auto by_instancing = dfield::test::shared_file("scenes/lemon_grove_ext_instancing.glb");
     if (!by_nodes || !by_instancing) return;
-    const dfield::Scene a = dfield::import_scene(*by_nodes), b = dfield::import_scene(*by_instancing);
+    const dfield::ImportedScene a = dfield::import_scene(*by_nodes), b = dfield::import_scene(*by_instancing);
     REQUIRE(a.instances.size() == 25);
     REQUIRE(b.instances.size() == 25);
     CHECK(a.meshes.size() == 1);
@@ -74,7 +74,7 @@ TEST_CASE("a grove by nodes and by EXT_mesh_gpu_instancing is the same set of tr
 
 TEST_CASE("sample scenes: meshes, instances and names") {
     if (const auto path = dfield::test::shared_file("scenes/CesiumMilkTruck.glb")) {
-        const dfield::Scene scene = dfield::import_scene(*path);
+        const dfield::ImportedScene scene = dfield::import_scene(*path);
         CHECK(scene.meshes.size() == 2);
         CHECK(scene.instances.size() == 3);
         CHECK(scene.report.degenerate + scene.report.not_finite + scene.report.index_out_of_range == 0);

@@ -35,7 +35,7 @@ TEST_CASE("the generator writes the committed models, byte for byte") {
 }
 
 TEST_CASE("the cube with a hole is closed, manifold and of the right volume") {
-    const Scene scene = import_scene(test::source_file("models/cube_with_hole.obj"));
+    const ImportedScene scene = import_scene(test::source_file("models/cube_with_hole.obj"));
     const TriangleMesh& mesh = scene.meshes.at(0).mesh;
     REQUIRE(mesh.triangles.size() == 32);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -53,7 +53,7 @@ TEST_CASE("the cube with a hole is closed, manifold and of the right volume") {
 }
 
 TEST_CASE("the corner is the paper's: 3 x 33 x 33 vertices that face inwards") {
-    const Scene scene = import_scene(test::source_file("models/corner.obj"));
+    const ImportedScene scene = import_scene(test::source_file("models/corner.obj"));
     const TriangleMesh& mesh = scene.meshes.at(0).mesh;
     CHECK(mesh.positions.size() == 3 * 33 * 33);
     CHECK(mesh.triangles.size() == 3 * 32 * 32 * 2);
@@ -72,7 +72,7 @@ TEST_CASE("the tree has leaves that look up, and nothing degenerate") {
     const models::Shape shape = models::leafy_tree();
     CHECK(models::triangle_count(shape) >= 15'000);
     CHECK(models::triangle_count(shape) <= 26'000);
-    const Scene scene = import_scene(test::source_file("models/leafy_tree.obj"));
+    const ImportedScene scene = import_scene(test::source_file("models/leafy_tree.obj"));
     CHECK(scene.report.triangles == models::triangle_count(shape));
     CHECK(scene.report.degenerate == 0);
     CHECK(scene.report.not_finite == 0);
@@ -88,7 +88,7 @@ TEST_CASE("the tree has leaves that look up, and nothing degenerate") {
 }
 
 TEST_CASE("the scene has mirrored, stretched and sheared instances of shared meshes") {
-    const Scene scene = import_scene(test::source_file("models/scene_instances.glb"));
+    const ImportedScene scene = import_scene(test::source_file("models/scene_instances.glb"));
     CHECK(scene.meshes.size() == 3);
     CHECK(scene.instances.size() == 9);
     int mirrored = 0, stretched = 0, sheared = 0;
