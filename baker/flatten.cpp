@@ -79,7 +79,8 @@ std::vector<bool> subtree(const ImportedScene& scene, const std::string& node_na
 
 }  // namespace
 
-TriangleMesh flatten_scene(const ImportedScene& scene, const std::string& mesh_name, const std::string& node_name) {
+TriangleMesh flatten_scene(const ImportedScene& scene, const std::string& mesh_name,
+                           const std::string& node_name) {
     if (!mesh_name.empty() && !node_name.empty()) throw InputError("choose a mesh or a node, not both");
     TriangleMesh world;
     if (!mesh_name.empty()) {

@@ -9,7 +9,9 @@ struct ContentHash::State {
     XXH3_state_t xxh;
 };
 
-ContentHash::ContentHash() : state_(std::make_unique<State>()) { XXH3_128bits_reset(&state_->xxh); }
+ContentHash::ContentHash() : state_(std::make_unique<State>()) {
+    XXH3_128bits_reset(&state_->xxh);
+}
 ContentHash::~ContentHash() = default;
 
 ContentHash& ContentHash::add(const void* data, std::size_t size) {
@@ -28,6 +30,8 @@ std::string ContentHash::hex() const {
     return text;
 }
 
-std::string hash_hex(std::string_view text) { return ContentHash().add(text.data(), text.size()).hex(); }
+std::string hash_hex(std::string_view text) {
+    return ContentHash().add(text.data(), text.size()).hex();
+}
 
 }  // namespace dfield

@@ -5,8 +5,8 @@
 #include <glm/trigonometric.hpp>
 #include <numeric>
 
+#include "baker/import/openmesh_log.hpp"
 #include "baker/mesh.hpp"
-#include "baker/openmesh_log.hpp"
 
 namespace dfield {
 namespace {

@@ -8,8 +8,8 @@
 #include "baker/cli/report.hpp"
 #include "baker/cli/scene_visibility.hpp"
 #include "baker/cli/terminal.hpp"
-#include "baker/gltf_output.hpp"
-#include "baker/render.hpp"
+#include "baker/output/gltf_output.hpp"
+#include "baker/picture/render.hpp"
 #include "baker/scene.hpp"
 
 namespace dfield::cli {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "baker/cli/comparison.hpp"
-#include "baker/render.hpp"
+#include "baker/picture/render.hpp"
 
 namespace dfield::cli {
 

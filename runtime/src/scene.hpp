@@ -19,9 +19,10 @@ struct Plane {
     float distance;
 };
 
-// Half-lines that cannot meet a box because they start beside it and lead away, axis by axis. The bounding sphere and
-// the maps cannot tell this near contact, where a ray's backward extension grazes the object: without it, receivers at
-// the rim of a box that stands on their plane take half of their open rays for blocked.
+// Half-lines that cannot meet a box because they start beside it and lead away, axis by axis. The bounding
+// sphere and the maps cannot tell this near contact, where a ray's backward extension grazes the object:
+// without it, receivers at the rim of a box that stands on their plane take half of their open rays for
+// blocked.
 struct LeavingBox {
     glm::vec3 outward{0};  // per axis: which way leads away (0: the origin lies between the box's faces)
 

@@ -45,7 +45,8 @@ float ground_hit(const dfield_scene& scene, const Ray& ray) {
 
 // The chord of a ray in an instance's sphere; false where the ray cannot hit the object.
 bool chord_of_ray(const Instance& instance, const Ray& ray, Chord& chord) {
-    const glm::vec3 origin = instance.carry_point(ray.origin), direction = instance.carry_direction(ray.direction);
+    const glm::vec3 origin = instance.carry_point(ray.origin),
+                    direction = instance.carry_direction(ray.direction);
     return !instance.leaving_box(origin).leaves(direction.x, direction.y, direction.z) &&
            chord_of_line(origin, direction, chord);
 }

@@ -47,8 +47,8 @@ Side side_of_plane(const Instance& instance, const glm::vec3& origin, const glm:
     return height - extent >= -kContactTolerance * length ? Side::kInFront : Side::kCutting;
 }
 
-// Indices of the rays of a block that meet the unit sphere ahead of the origin and may meet the object's box. `carry` takes the local
-// direction of a ray to the sphere's space.
+// Indices of the rays of a block that meet the unit sphere ahead of the origin and may meet the object's box.
+// `carry` takes the local direction of a ray to the sphere's space.
 std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, const glm::mat3& carry,
                  const glm::vec3& origin, const LeavingBox& box, std::uint16_t* survivors) {
     const float* const x = ao.x.data() + begin;
@@ -76,8 +76,9 @@ std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, cons
 template<int kBits>
 float hit_distance(const dfield_field& field, const Chord& chord, Side side, const dfield_ao& ao) {
     if (side == Side::kInFront) {
-        // Every hit on the line is ahead of the receiver: from inside the sphere, too, whether there is one needs no
-        // depth. The exit point is the better end to ask then, since its sample lies farther from the receiver.
+        // Every hit on the line is ahead of the receiver: from inside the sphere, too, whether there is one
+        // needs no depth. The exit point is the better end to ask then, since its sample lies farther from
+        // the receiver.
         const bool inside = chord.t_in() < 0;
         const LineHit hit =
             look_up<kBits>(field, chord, inside && ao.any_hit() ? LineEnd::kExit : LineEnd::kEntry);
@@ -96,7 +97,8 @@ void add_instance(const Instance& instance, const dfield_ao& ao, const Receiver&
     const glm::mat3 carry =
         instance.to_unit * glm::mat3(receiver.frame.tangent, receiver.frame.bitangent, receiver.frame.normal);
     std::array<std::uint16_t, kBlock> survivors;
-    const std::size_t kept = cull(ao, begin, count, carry, origin, instance.leaving_box(origin), survivors.data());
+    const std::size_t kept =
+        cull(ao, begin, count, carry, origin, instance.leaving_box(origin), survivors.data());
     const bool any_hit = ao.any_hit();
     with_bits(*instance.field, [&]<int kBits>() {
         for (std::size_t k = 0; k < kept; ++k) {

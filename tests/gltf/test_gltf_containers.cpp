@@ -2,9 +2,9 @@
 
 #include "baker/error.hpp"
 #include "baker/file_io.hpp"
-#include "baker/gltf_output.hpp"
-#include "baker/gltf_uri.hpp"
-#include "baker/image.hpp"
+#include "baker/import/gltf_uri.hpp"
+#include "baker/output/gltf_output.hpp"
+#include "baker/picture/image.hpp"
 #include "tests/gltf/gltf_reader.hpp"
 
 using namespace dfield;

@@ -2,7 +2,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "baker/gltf_output.hpp"
+#include "baker/output/gltf_output.hpp"
 #include "tests/gltf/gltf_reader.hpp"
 #include "tests/test_data.hpp"
 

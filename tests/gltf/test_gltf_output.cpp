@@ -6,7 +6,7 @@
 
 #include "baker/error.hpp"
 #include "baker/file_io.hpp"
-#include "baker/gltf_output.hpp"
+#include "baker/output/gltf_output.hpp"
 #include "tests/gltf/gltf_reader.hpp"
 #include "tests/test_data.hpp"
 

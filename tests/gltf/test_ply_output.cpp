@@ -5,7 +5,7 @@
 #include <string>
 
 #include "baker/file_io.hpp"
-#include "baker/gltf_output.hpp"
+#include "baker/output/gltf_output.hpp"
 #include "tests/gltf/gltf_reader.hpp"
 #include "tests/test_data.hpp"
 

@@ -82,12 +82,13 @@ TEST_CASE("OBJ: normals of the file are kept, vertices whose corners disagree ar
     const ImportedScene same =
         import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvn 0 0 2\nf 1//1 2//1 3//1 4//1\n");
     check_square(same);
-    const ImportedScene kept = import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nvn 1 0 0\nf 1//1 2//-1 3//1\n");
+    const ImportedScene kept =
+        import_text("a.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nvn 1 0 0\nf 1//1 2//-1 3//1\n");
     for (const glm::vec3& n : kept.meshes[0].mesh.normals) CHECK(n == glm::vec3(1, 0, 0));
     // A roof: the ridge 2-3 has one normal per side.
     const ImportedScene roof = import_text("roof.obj",
-                                   "v 0 0 0\nv 1 0 1\nv 1 1 1\nv 2 0 0\nvn -1 0 1\nvn 1 0 1\n"
-                                   "f 1//1 2//1 3//1\nf 3//2 2//2 4//2\n");
+                                           "v 0 0 0\nv 1 0 1\nv 1 1 1\nv 2 0 0\nvn -1 0 1\nvn 1 0 1\n"
+                                           "f 1//1 2//1 3//1\nf 3//2 2//2 4//2\n");
     const dfield::TriangleMesh& mesh = roof.meshes[0].mesh;
     CHECK(mesh.positions.size() == 6);
     REQUIRE(mesh.triangles.size() == 2);
@@ -102,13 +103,15 @@ TEST_CASE("OBJ: normals of the file are kept, vertices whose corners disagree ar
 }
 
 TEST_CASE("OBJ: concave polygons and polygons with a hole keep their area") {
-    const ImportedScene notch = import_text("a.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 2 0 1\nv 0 0 4\nf 1 2 3 4 5\n");
+    const ImportedScene notch =
+        import_text("a.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 2 0 1\nv 0 0 4\nf 1 2 3 4 5\n");
     CHECK(notch.report.triangles == 3);
     CHECK(area(notch.meshes[0].mesh) == Approx(10));
     // The hole is joined by a seam: vertices 1 and 5 stand twice in the face.
-    const ImportedScene hole = import_text("a.obj",
-                                   "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
-                                   "f 1 2 3 4 1 5 6 7 8 5\n");
+    const ImportedScene hole =
+        import_text("a.obj",
+                    "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
+                    "f 1 2 3 4 1 5 6 7 8 5\n");
     CHECK(hole.report.faces == 1);
     CHECK(hole.report.triangles + hole.report.degenerate == 8);
     CHECK(area(hole.meshes[0].mesh) == Approx(12));

@@ -1,4 +1,4 @@
-#include "baker/triangulate.hpp"
+#include "baker/import/triangulate.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

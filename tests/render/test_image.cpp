@@ -5,8 +5,8 @@
 
 #include "baker/error.hpp"
 #include "baker/file_io.hpp"
-#include "baker/font.hpp"
-#include "baker/image.hpp"
+#include "baker/picture/font.hpp"
+#include "baker/picture/image.hpp"
 
 using namespace dfield;
 namespace fs = std::filesystem;

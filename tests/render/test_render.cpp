@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "baker/render.hpp"
+#include "baker/picture/render.hpp"
 #include "models/shapes.hpp"
 
 using namespace dfield;
