@@ -80,8 +80,8 @@ std::vector<std::byte> compress(const Section& section, int level) {
     if (context == nullptr) throw std::bad_alloc();
     check(ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level));
     if (!section.ends.empty()) {
-        // Residuals repeat by chance only. Searching for repetitions further and deeper makes frames larger
-        // (the parser believes in them) and takes six times as long; measured on the bunny and igea.
+        // Residuals repeat by chance only. Level 19's own, deeper search takes six times as long and makes
+        // the frames of 32x32 maps 2% larger (of 64x64 maps 7% smaller).
         check(ZSTD_CCtx_setParameter(context.get(), ZSTD_c_windowLog, 17));
         check(ZSTD_CCtx_setParameter(context.get(), ZSTD_c_hashLog, 14));
         check(ZSTD_CCtx_setParameter(context.get(), ZSTD_c_chainLog, 14));

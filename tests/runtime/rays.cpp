@@ -110,7 +110,7 @@ TEST_CASE("First hits from outside agree with two spheres' closed form, in every
         INFO("bits " << c.bits << " mapping " << static_cast<int>(c.mapping));
         CHECK(both > 3000);
         CHECK(disagree < 0.02 * distances.size());
-        CHECK(std::sqrt(squares / both) < 0.12);  // radius 1.5; silhouettes dominate
+        CHECK(std::sqrt(squares / both) < 0.15);  // radius 1.5; silhouettes dominate
     }
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("From inside the bounding sphere: hits ahead are found, hits behind ar
         // reported.
         too_short += distances[i] < exact - 0.25;
     }
-    CHECK(hits > 2000);
+    CHECK(hits > 1500);
     CHECK(disagree < 0.02 * distances.size());
     CHECK(trace_disagree < 0.02 * distances.size());
     CHECK(too_short < 0.01 * distances.size());

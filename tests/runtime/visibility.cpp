@@ -67,7 +67,7 @@ TEST_CASE("A ball over a receiver hides (r/h)^2 of its sky") {
     points.positions.push_back({0, 0, -2});
     points.normals.push_back({0, 0, -1});  // looking away
     const auto values = visible(scene, ao, points.view());
-    CHECK(values[0] == Approx(1 - 1 / 2.25).margin(0.01));
+    CHECK(values[0] == Approx(1 - 1 / 2.25).margin(0.02));  // near-grazing rays, tessellation
     CHECK(values[1] == Approx(1 - 1 / 4.0).margin(0.01));
     CHECK(values[2] == Approx(1 - 1 / 9.0).margin(0.01));
     CHECK(values[3] == Approx(1 - 1 / 36.0).margin(0.01));
