@@ -42,6 +42,11 @@ float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, c
                     options.near_distance, options.max_distance);
             clear_hit(packet.hit, lane);
         }
+        // Where Embree has no packets this wide it ignores `valid` and takes every ray whose interval is not empty.
+        for (std::size_t lane = lanes; lane < kPacket; ++lane) {
+            set_ray(packet.ray, lane, origin, normal, 1, 0);
+            clear_hit(packet.hit, lane);
+        }
         if (options.occlusion)
             rtcIntersect16(valid.data(), scene.get(), &context, &packet);
         else

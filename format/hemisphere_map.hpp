@@ -45,9 +45,11 @@ inline std::uint32_t texel_of(float unit, std::uint32_t map_size) {  // unit in 
 }
 }  // namespace detail
 
-// The texel, t * map_size + s, whose cell holds the direction (x, y, z) around +z: unit to rounding, z >= 0.
+// The texel, t * map_size + s, whose cell holds the direction (x, y, z) around +z: z >= 0, of any length but
+// zero.
 inline std::uint32_t concentric_texel(std::uint32_t map_size, const glm::vec3& w) {
-    const float radius = std::sqrt(w.x * w.x + w.y * w.y);
+    const float squared = w.x * w.x + w.y * w.y;
+    const float radius = std::sqrt(squared / (squared + w.z * w.z));  // on the unit disk
     float a, b;
     if (std::fabs(w.x) >= std::fabs(w.y)) {
         a = std::copysign(radius, w.x);
@@ -73,15 +75,16 @@ inline std::uint32_t rejection_texel(std::uint32_t map_size, const glm::vec3& w)
         const float a = (2 * static_cast<float>(s) + 1) / m - 1, b = (2 * static_cast<float>(t) + 1) / m - 1;
         return a * a + b * b > 1;
     };
-    std::uint32_t s = detail::texel_of(0.5f * w.x + 0.5f, map_size);
-    std::uint32_t t = detail::texel_of(0.5f * w.y + 0.5f, map_size);
+    const float to_disk = 1 / std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
+    const float x = w.x * to_disk, y = w.y * to_disk;
+    std::uint32_t s = detail::texel_of(0.5f * x + 0.5f, map_size);
+    std::uint32_t t = detail::texel_of(0.5f * y + 0.5f, map_size);
     if (unused(s, t)) {
         // The rim of the disk falls into cells whose centre lies outside. Moving in by half a cell's diagonal
         // ends in a cell whose centre is inside.
-        const float radius = std::sqrt(w.x * w.x + w.y * w.y);
-        const float scale = std::max(0.0f, 1 - 1.42f / m) / radius;
-        s = detail::texel_of(0.5f * w.x * scale + 0.5f, map_size);
-        t = detail::texel_of(0.5f * w.y * scale + 0.5f, map_size);
+        const float scale = std::max(0.0f, 1 - 1.42f / m) / std::sqrt(x * x + y * y);
+        s = detail::texel_of(0.5f * x * scale + 0.5f, map_size);
+        t = detail::texel_of(0.5f * y * scale + 0.5f, map_size);
     }
     return t * map_size + s;
 }

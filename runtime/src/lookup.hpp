@@ -50,50 +50,86 @@ struct LineHit {
     float t;  // on the line; only where hit
 };
 
-// A texel's distance from its sample, in radii (0..2), or a negative number for a miss.
-template<int kBits>
-float texel_distance(const dfield_field& field, std::uint32_t map, std::uint32_t texel, float cosine) {
-    const std::uint8_t* bytes = field.maps.texels.data() + map * field.map_stride;
-    if constexpr (kBits == 1) {
-        if (!(bytes[texel >> 3] >> (texel & 7) & 1)) return -1;
-        // Only a mean depth along the normal is known: the hit lies where the ray is as deep, or at the
-        // chord's end.
-        const float depth = static_cast<float>(field.maps.mean_depth[map]) * (2.0f / 65535.0f);
-        return std::min(depth, 2 * cosine * cosine) / std::max(cosine, 1e-6f);
-    } else if constexpr (kBits == 8) {
-        return bytes[texel] == kMiss8 ? -1 : static_cast<float>(bytes[texel]) * (2.0f / 254.0f);
-    } else if constexpr (kBits == 16) {
-        const std::uint32_t value = bytes[2 * texel] | bytes[2 * texel + 1] << 8;
-        return value == kMiss16 ? -1 : static_cast<float>(value) * (2.0f / 65534.0f);
-    } else {
-        const std::uint8_t* b = bytes + 4 * std::size_t{texel};
-        const auto value = std::bit_cast<float>(std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 |
-                                                std::uint32_t{b[2]} << 16 | std::uint32_t{b[3]} << 24);
-        return value >= kMiss32 ? -1 : 2 * value;
-    }
-}
+// Where in a field the answer for a line lies. Apart from reading it, so that a batch can know all its texels
+// before it waits for the first.
+struct Probe {
+    std::uint32_t map, texel;
+};
 
-// Where the line is hit, seen from one of its ends. The nearest positional sample p stands in for the end
-// point, and the direction looked up aims from p at the middle of the chord (the pivot), not along d: the
-// parallax between p and the end point is then zero at the middle of the sphere, where objects are, instead
-// of constant along the ray.
-template<int kBits>
-LineHit look_up(const dfield_field& field, const Chord& chord, LineEnd end) {
+// The nearest positional sample p stands in for the end point, and the direction looked up aims from p at the
+// middle of the chord (the pivot), not along d: the parallax between p and the end point is then zero at the
+// middle of the sphere, where objects are, instead of constant along the ray.
+inline Probe probe_line(const dfield_field& field, const Chord& chord, LineEnd end) {
     const FieldParameters& parameters = field.maps.parameters;
     const float side = end == LineEnd::kEntry ? -chord.half : chord.half;
     const glm::vec3 q = chord.middle + side * chord.direction;
     const std::uint32_t map =
         nearest_sphere_point(parameters.positions, parameters.subdivision, field.points.data(), q);
     const glm::vec3 p = field.points[map];
+    const glm::vec3 local = frame_of_normal(-p).to_local(chord.middle - p);
+    return {map, direction_texel(parameters.mapping, parameters.map_size, local)};
+}
+
+inline const std::uint8_t* texel_address(const dfield_field& field, const Probe& probe) {
+    return field.maps.texels.data() + probe.map * field.map_stride +
+           (std::size_t{probe.texel} * field.maps.parameters.bits >> 3);
+}
+
+inline void prefetch(const std::uint8_t* address) {
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#else
+    (void)address;
+#endif
+}
+
+// A texel's distance from its sample, in radii (0..2), or a negative number for a miss. 1 bit: 0 for a hit.
+template<int kBits>
+float texel_distance(const dfield_field& field, const Probe& probe) {
+    const std::uint8_t* const bytes = texel_address(field, probe);
+    if constexpr (kBits == 1) {
+        return bytes[0] >> (probe.texel & 7) & 1 ? 0 : -1;
+    } else if constexpr (kBits == 8) {
+        return bytes[0] == kMiss8 ? -1 : static_cast<float>(bytes[0]) * (2.0f / 254.0f);
+    } else if constexpr (kBits == 16) {
+        const std::uint32_t value = bytes[0] | bytes[1] << 8;
+        return value == kMiss16 ? -1 : static_cast<float>(value) * (2.0f / 65534.0f);
+    } else {
+        const auto value =
+            std::bit_cast<float>(std::uint32_t{bytes[0]} | std::uint32_t{bytes[1]} << 8 |
+                                 std::uint32_t{bytes[2]} << 16 | std::uint32_t{bytes[3]} << 24);
+        return value >= kMiss32 ? -1 : 2 * value;
+    }
+}
+
+template<int kBits>
+bool probe_hits(const dfield_field& field, const Probe& probe) {
+    return texel_distance<kBits>(field, probe) >= 0;
+}
+
+// t of a probe that hits: the hit seen from the sample, carried onto the line by projection.
+template<int kBits>
+float hit_parameter(const dfield_field& field, const Chord& chord, const Probe& probe) {
+    const glm::vec3 p = field.points[probe.map];
     const glm::vec3 aim = chord.middle - p;
     const float inverse_length = 1 / std::sqrt(glm::dot(aim, aim));
-    const glm::vec3 local = frame_of_normal(-p).to_local(aim) * inverse_length;
-    const std::uint32_t texel = direction_texel(parameters.mapping, parameters.map_size, local);
-    const float distance = texel_distance<kBits>(field, map, texel, local.z);
-    if (distance < 0) return {false, 0};
-    // The hit p + distance * aim/|aim|, carried onto the line by projection.
-    const float along = glm::dot(aim, chord.direction) * chord.inverse_square;
-    return {true, chord.t_middle + (distance * inverse_length - 1) * along};
+    float distance = texel_distance<kBits>(field, probe);
+    if constexpr (kBits == 1) {
+        // Only a mean depth along the normal is known: the hit lies where the ray is as deep, or at the
+        // chord's end.
+        const float cosine = -glm::dot(aim, p) * inverse_length;
+        const float depth = static_cast<float>(field.maps.mean_depth[probe.map]) * (2.0f / 65535.0f);
+        distance = std::min(depth, 2 * cosine * cosine) / std::max(cosine, 1e-6f);
+    }
+    return chord.t_middle +
+           (distance * inverse_length - 1) * glm::dot(aim, chord.direction) * chord.inverse_square;
+}
+
+template<int kBits>
+LineHit look_up(const dfield_field& field, const Chord& chord, LineEnd end) {
+    const Probe probe = probe_line(field, chord, end);
+    if (!probe_hits<kBits>(field, probe)) return {false, 0};
+    return {true, hit_parameter<kBits>(field, chord, probe)};
 }
 
 // Calls visitor.template operator()<bits>() for the field's bit depth, so that loops are compiled for each.

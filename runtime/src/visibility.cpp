@@ -73,20 +73,72 @@ std::size_t cull(const dfield_ao& ao, std::size_t begin, std::size_t count, cons
     return kept;
 }
 
+// Nearest hit of one ray, where distances count.
 template<int kBits>
-float hit_distance(const dfield_field& field, const Chord& chord, Side side, const dfield_ao& ao) {
+float hit_distance(const dfield_field& field, const Chord& chord, Side side, float bias) {
     if (side == Side::kInFront) {
-        // Every hit on the line is ahead of the receiver: from inside the sphere, too, whether there is one
-        // needs no depth. The exit point is the better end to ask then, since its sample lies farther from
-        // the receiver.
-        const bool inside = chord.t_in() < 0;
-        const LineHit hit =
-            look_up<kBits>(field, chord, inside && ao.any_hit() ? LineEnd::kExit : LineEnd::kEntry);
+        // Every hit on the line is ahead of the receiver, so the first one is the nearest.
+        const LineHit hit = look_up<kBits>(field, chord, LineEnd::kEntry);
         return hit.hit ? std::max(hit.t, 0.0f) : kInfinity;
     }
-    if (ao.any_hit()) return hit_beyond<kBits>(field, chord, ao.bias) ? 0 : kInfinity;
     const float t = first_hit<kBits>(field, chord);
-    return t >= ao.bias ? t : kInfinity;
+    return t >= bias ? t : kInfinity;
+}
+
+struct PendingLookup {
+    Chord chord;
+    Probe probe;
+    std::uint16_t ray;
+    bool any_depth;  // a hit counts wherever on the line it lies
+};
+
+// Whether rays hit at all, for a batch: all texels are found and asked for before the first is read, since a
+// lookup is a chain of roots and divisions that ends in a cache miss.
+template<int kBits>
+void add_any_hits(const dfield_field& field, const dfield_ao& ao, std::size_t begin, const glm::mat3& carry,
+                  const glm::vec3& origin, Side side, const std::uint16_t* survivors, std::size_t kept,
+                  Nearest& nearest) {
+    std::array<PendingLookup, kBlock> pending;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < kept; ++k) {
+        const std::size_t i = survivors[k];
+        PendingLookup& lookup = pending[count];
+        const glm::vec3 local(ao.x[begin + i], ao.y[begin + i], ao.z[begin + i]);
+        if (nearest[i] < kInfinity || !chord_of_line(origin, carry * local, lookup.chord) ||
+            !(lookup.chord.t_out() > ao.bias))
+            continue;
+        lookup.ray = survivors[k];
+        ++count;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        PendingLookup& lookup = pending[k];
+        // From outside the sphere every hit is ahead. From inside the exit point is asked, looking back: it
+        // knows the last hit on the line, and its sample lies farther from the receiver. An object wholly in
+        // front of the tangent plane needs no depth even then.
+        const bool outside = lookup.chord.t_in() >= ao.bias;
+        lookup.any_depth = outside || side == Side::kInFront;
+        lookup.probe = probe_line(field, lookup.chord, outside ? LineEnd::kEntry : LineEnd::kExit);
+        prefetch(texel_address(field, lookup.probe));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const PendingLookup& lookup = pending[k];
+        if (probe_hits<kBits>(field, lookup.probe) &&
+            (lookup.any_depth || hit_parameter<kBits>(field, lookup.chord, lookup.probe) > ao.bias))
+            nearest[lookup.ray] = 0;
+    }
+}
+
+template<int kBits>
+void add_distances(const dfield_field& field, const dfield_ao& ao, std::size_t begin, const glm::mat3& carry,
+                   const glm::vec3& origin, Side side, const std::uint16_t* survivors, std::size_t kept,
+                   Nearest& nearest) {
+    for (std::size_t k = 0; k < kept; ++k) {
+        const std::size_t i = survivors[k];
+        const glm::vec3 local(ao.x[begin + i], ao.y[begin + i], ao.z[begin + i]);
+        Chord chord;
+        if (!chord_of_line(origin, carry * local, chord)) continue;
+        nearest[i] = std::min(nearest[i], hit_distance<kBits>(field, chord, side, ao.bias));
+    }
 }
 
 void add_instance(const Instance& instance, const dfield_ao& ao, const Receiver& receiver, std::size_t begin,
@@ -99,16 +151,12 @@ void add_instance(const Instance& instance, const dfield_ao& ao, const Receiver&
     std::array<std::uint16_t, kBlock> survivors;
     const std::size_t kept =
         cull(ao, begin, count, carry, origin, instance.leaving_box(origin), survivors.data());
-    const bool any_hit = ao.any_hit();
-    with_bits(*instance.field, [&]<int kBits>() {
-        for (std::size_t k = 0; k < kept; ++k) {
-            const std::size_t i = survivors[k];
-            if (any_hit && nearest[i] < kInfinity) continue;
-            const glm::vec3 local(ao.x[begin + i], ao.y[begin + i], ao.z[begin + i]);
-            Chord chord;
-            if (!chord_of_line(origin, carry * local, chord)) continue;
-            nearest[i] = std::min(nearest[i], hit_distance<kBits>(*instance.field, chord, side, ao));
-        }
+    const dfield_field& field = *instance.field;
+    with_bits(field, [&]<int kBits>() {
+        if (ao.any_hit())
+            add_any_hits<kBits>(field, ao, begin, carry, origin, side, survivors.data(), kept, nearest);
+        else
+            add_distances<kBits>(field, ao, begin, carry, origin, side, survivors.data(), kept, nearest);
     });
 }
 
