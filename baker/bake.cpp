@@ -213,7 +213,8 @@ DisplacementField bake_field(const TriangleMesh& mesh, const BakeOptions& option
 
     if (options.self_visibility) {
         start = std::chrono::steady_clock::now();
-        for (const float visibility : self_visibility(mesh, options.self_rays, options.threads))
+        for (const float visibility :
+             self_visibility(mesh, options.self_rays, options.threads, options.cancel))
             field.self_visibility.push_back(static_cast<std::uint16_t>(std::lround(visibility * 65535.0f)));
         result.self_seconds = seconds_since(start);
     }

@@ -68,7 +68,8 @@ std::vector<std::byte> read_file(const fs::path& path) {
     return bytes;
 }
 
-void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
+void check_output(const fs::path& path) {
+    if (path.empty()) throw OutputError("the output has no name");
     std::error_code error;
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error))
@@ -76,6 +77,11 @@ void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
                           " does not exist");
     if (fs::is_directory(path, error))
         throw OutputError(path.string() + ": cannot be written: a folder of that name exists");
+}
+
+void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
+    check_output(path);
+    std::error_code error;
     const fs::file_status status = fs::status(path, error);
     const bool special =
         fs::exists(status) && !fs::is_regular_file(status);  // /dev/stdout, /dev/null, a pipe

@@ -9,6 +9,10 @@
 
 namespace dfield {
 
+// What is wrong with an output's name can be said before hours of work: its folder is missing, or it is a
+// folder itself. OutputError.
+void check_output(const std::filesystem::path& path);
+
 std::vector<std::byte> read_file(const std::filesystem::path& path);                          // InputError
 void write_file_atomic(const std::filesystem::path& path, std::span<const std::byte> bytes);  // OutputError
 void write_file_atomic(const std::filesystem::path& path, std::string_view text);             // OutputError

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "baker/bounding_sphere.hpp"
+#include "baker/error.hpp"
 #include "baker/parallel.hpp"
 #include "format/frame.hpp"
 #include "format/hemisphere_map.hpp"
@@ -22,13 +23,12 @@ float ground_distance(std::span<const float> plane, const glm::vec3& origin, con
     return std::max(glm::dot(normal, origin) - plane[3], 0.0f) / -approach;
 }
 
-float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, const glm::vec3& normal,
+float receiver_visibility(const EmbreeScene& scene, const glm::vec3& origin, const glm::vec3& normal,
                           const RayVisibilityOptions& options) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     const Frame frame = frame_of_normal(normal);
-    const glm::vec3 origin = position + options.normal_offset * normal;
     const std::size_t count = options.directions.size();
     const float even_weight = 1 / static_cast<float>(count);
     double occlusion = 0;
@@ -42,7 +42,8 @@ float receiver_visibility(const EmbreeScene& scene, const glm::vec3& position, c
                     options.near_distance, options.max_distance);
             clear_hit(packet.hit, lane);
         }
-        // Where Embree has no packets this wide it ignores `valid` and takes every ray whose interval is not empty.
+        // Where Embree has no packets this wide it ignores `valid` and takes every ray whose interval is not
+        // empty.
         for (std::size_t lane = lanes; lane < kPacket; ++lane) {
             set_ray(packet.ray, lane, origin, normal, 1, 0);
             clear_hit(packet.hit, lane);
@@ -75,13 +76,37 @@ std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm:
                                   std::span<const glm::vec3> normals, const RayVisibilityOptions& options) {
     std::vector<float> visibility(positions.size());
     parallel_ranges(options.threads, positions.size(), 64, [&](std::size_t begin, std::size_t end) {
+        if (options.cancel && options.cancel->load(std::memory_order_relaxed))
+            throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
         for (std::size_t i = begin; i < end; ++i)
             visibility[i] = receiver_visibility(scene, positions[i], normals[i], options);
     });
     return visibility;
 }
 
-std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads) {
+std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh) {
+    constexpr float kInset = 0.01f, kLift = 1e-4f;
+    std::vector<glm::vec3> towards(mesh.positions.size(), glm::vec3(0));
+    std::vector<float> triangles(mesh.positions.size(), 0.0f);
+    for (const glm::uvec3& triangle : mesh.triangles) {
+        const glm::vec3 middle =
+            (mesh.positions[triangle.x] + mesh.positions[triangle.y] + mesh.positions[triangle.z]) / 3.0f;
+        for (int corner = 0; corner < 3; ++corner) {
+            towards[triangle[corner]] += middle;
+            ++triangles[triangle[corner]];
+        }
+    }
+    const float lift = mesh.triangles.empty() ? 0 : kLift * smallest_enclosing_ball(mesh).radius;
+    for (std::size_t i = 0; i < towards.size(); ++i) {
+        const glm::vec3 inset =
+            triangles[i] > 0 ? kInset * (towards[i] / triangles[i] - mesh.positions[i]) : glm::vec3(0);
+        towards[i] = mesh.positions[i] + inset + lift * mesh.normals[i];
+    }
+    return towards;
+}
+
+std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads,
+                                   const std::atomic<bool>* cancel) {
     TriangleMesh with_normals;
     const TriangleMesh* source = &mesh;
     if (mesh.normals.size() != mesh.positions.size()) {
@@ -95,9 +120,9 @@ std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays,
     const std::vector<glm::vec3> directions = cosine_directions(rays);
     RayVisibilityOptions options;
     options.directions = directions;
-    options.normal_offset = kSelfOffset * smallest_enclosing_ball(mesh).radius;
     options.threads = threads;
-    return ray_visibility(scene, source->positions, source->normals, options);
+    options.cancel = cancel;
+    return ray_visibility(scene, vertex_ray_origins(*source), source->normals, options);
 }
 
 }  // namespace dfield

@@ -2,6 +2,7 @@
 // object's occlusion by itself is baked.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
@@ -17,7 +18,6 @@ struct RayVisibilityOptions {
     std::span<const glm::vec3> directions;  // around +z, each of weight 1 / size, unless `weights` is given
     std::span<const float> weights;         // empty, or one a direction, summing to 1
     float near_distance = 0;                // rays start here
-    float normal_offset = 0;                // receivers are first moved this far along their normal
     // Occlusion by distance; empty: any hit counts 1. Otherwise the first hit's distance is handed to it.
     float (*occlusion)(const void* data, float distance) = nullptr;
     const void* occlusion_data = nullptr;
@@ -25,10 +25,13 @@ struct RayVisibilityOptions {
     std::span<const float>
         ground;  // empty, or n.x n.y n.z d: solid ground below n.p = d, as dfield.h states it
     int threads = 0;
+    const std::atomic<bool>* cancel = nullptr;  // when set and true: ends early with Error(kInterrupted)
 };
 
-// How far vertices are lifted off their own surface, in bounding radii, before rays leave them.
-inline constexpr float kSelfOffset = 1e-4f;
+// Where rays leave a mesh's own vertices, object space: 1% of the way to the middle of the triangles around,
+// since a vertex of a concave edge lies in its neighbours' planes, and 1e-4 bounding radii along the normal.
+// Needs normals.
+std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh);
 
 // One value a receiver, 1 = open. Directions are turned into the receiver's frame by the frame rule. Normals
 // are unit.
@@ -37,6 +40,7 @@ std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm:
 
 // Visibility of a mesh's own vertices past the mesh itself, by `rays` cosine-weighted rays. Vertices start
 // 1e-4 of the bounding radius above the surface. A mesh without normals gets angle-weighted ones.
-std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads);
+std::vector<float> self_visibility(const TriangleMesh& mesh, std::uint32_t rays, int threads,
+                                   const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace dfield

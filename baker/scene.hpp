@@ -21,6 +21,9 @@ struct ImportReport {
     std::uint64_t index_out_of_range = 0;  // faces left out for an index beyond the vertices
     std::uint64_t skipped_primitives = 0;  // glTF points and lines
     std::vector<std::string> warnings;     // in words, for people
+
+    // The counts of what was left out in words: "3 without area, 1 points or lines"; empty when nothing was.
+    std::string left_out() const;
 };
 
 // glTF: which vertices of a SceneMesh came from which primitive of the file's mesh.

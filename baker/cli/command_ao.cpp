@@ -1,13 +1,14 @@
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "baker/cli/commands.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
+#include "baker/cli/runtime_scene.hpp"
 #include "baker/cli/scene_visibility.hpp"
 #include "baker/cli/terminal.hpp"
+#include "baker/file_io.hpp"
 #include "baker/output/gltf_output.hpp"
 #include "baker/picture/render.hpp"
 #include "baker/scene.hpp"
@@ -30,19 +31,12 @@ struct AoCommand {
     CommonOptions common;
 };
 
-std::string extension_of(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
-
 bool is_gltf(const fs::path& path) {
     return extension_of(path) == ".glb" || extension_of(path) == ".gltf";
 }
 
-// A missing ending or an unwritable kind of file is known before the work begins.
-void check_output(const AoCommand& command) {
+// What is wrong with outputs and ground is known before the work begins.
+void check_command(const AoCommand& command) {
     const std::string extension = extension_of(command.output);
     if (extension != ".ply" && extension != ".glb" && extension != ".gltf")
         throw Error(ExitCode::kUsage,
@@ -53,6 +47,15 @@ void check_output(const AoCommand& command) {
                                           extension_of(command.scene));
     if (command.color && extension == ".ply")
         throw Error(ExitCode::kUsage, "--color is for glTF; PLY always has greys beside `quality`");
+    // A glTF file comes through whole, a PLY keeps no more than positions, normals and faces.
+    std::error_code error;
+    if (extension == ".ply" && fs::equivalent(command.scene, command.output, error))
+        throw Error(ExitCode::kUsage, command.output.string() + ": is the scene itself; choose another name");
+    check_output(command.output);
+    check_picture(command.image);
+    const std::vector<float>& plane = command.ground_plane;
+    if (!plane.empty() && plane[0] == 0 && plane[1] == 0 && plane[2] == 0)
+        throw Error(ExitCode::kUsage, "--ground-plane: the normal is zero; expected n.x n.y n.z d");
 }
 
 void write_output(const AoCommand& command, const ImportedScene& scene,
@@ -72,7 +75,7 @@ void save_picture(const AoCommand& command, const ImportedScene& scene,
                   glm::vec3(std::numeric_limits<float>::lowest())};
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const TriangleMesh& mesh = scene.meshes[scene.instances[i].mesh].mesh;
-        if (mesh.triangles.empty()) continue;
+        if (!casts(mesh, scene.instances[i].transform)) continue;
         objects.push_back({&mesh, scene.instances[i].transform, values[i]});
         for (const glm::vec3& position : mesh.positions) {
             const glm::vec3 placed(scene.instances[i].transform * glm::vec4(position, 1));
@@ -92,10 +95,10 @@ void save_picture(const AoCommand& command, const ImportedScene& scene,
 
 void run(AoCommand& command) {
     finish_ao_options(command.ao);
-    check_output(command);
-    const ImportedScene scene = import_scene(command.scene, {.crease_degrees = command.crease_degrees});
-    for (const std::string& warning : scene.report.warnings)
-        std::fprintf(stderr, "dfield: %s: %s\n", command.scene.string().c_str(), warning.c_str());
+    check_command(command);
+    ImportedScene scene = import_scene(command.scene, {.crease_degrees = command.crease_degrees});
+    note_flat_nodes(scene);
+    warn_of(command.scene, scene.report);
 
     SceneVisibilityOptions options;
     options.method = command.method == "rays" ? Method::kRays : Method::kLookup;
@@ -168,10 +171,12 @@ void add_ao_command(CLI::App& app, ExitCode&) {
     ao->add_option("--method", command->method, "lookup, or rays: the same by ray casting, the reference")
         ->capture_default_str()
         ->check(CLI::IsMember({"lookup", "rays"}));
-    auto* ground = ao->add_option("--ground", command->ground, "Solid ground at this height along --up");
+    auto* ground = ao->add_option("--ground", command->ground, "Solid ground at this height along --up")
+                       ->check(finite_number());
     ao->add_option("--ground-plane", command->ground_plane,
                    "Solid ground below the plane n.p = d: n.x n.y n.z d")
         ->expected(4)
+        ->check(finite_number())
         ->excludes("--ground");
     ao->add_option("--up", command->up,
                    "The axis that points up, for --ground and --image: y (as in glTF) or z")
@@ -181,7 +186,7 @@ void add_ao_command(CLI::App& app, ExitCode&) {
           "--crease", command->crease_degrees,
           "Where the file has no normals: faces that meet at more than this many degrees do not smooth")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, 180.0));
+        ->check(number_between(0, 180));
     add_ao_options(*ao, command->ao);
     add_field_options(*ao, command->field);
     ao->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();

@@ -57,14 +57,24 @@ Json import_report(const ImportReport& report) {
     return json;
 }
 
+// What `work` throws of the model's contents, with the model's name before it, as a batch needs it.
+template<class Work>
+auto naming(const fs::path& model, const Work& work) {
+    try {
+        return work();
+    } catch (const InputError& error) {
+        throw InputError(model.string() + ": " + error.what());
+    }
+}
+
 // Bakes one model. In a batch an up-to-date output is left alone.
 Json bake_model(const BakeCommand& command, const fs::path& model, const fs::path& output,
                 bool skip_unchanged) {
     const auto start = std::chrono::steady_clock::now();
     const ImportedScene scene = import_scene(model, {.crease_degrees = command.crease_degrees});
-    const TriangleMesh mesh = flatten_scene(scene, command.mesh_name, command.node_name);
-    for (const std::string& warning : scene.report.warnings)
-        std::fprintf(stderr, "dfield: %s: %s\n", model.string().c_str(), warning.c_str());
+    const TriangleMesh mesh =
+        naming(model, [&] { return flatten_scene(scene, command.mesh_name, command.node_name); });
+    warn_of(model, scene.report);
 
     Json json;
     json["model"] = model.string();
@@ -85,7 +95,7 @@ Json bake_model(const BakeCommand& command, const fs::path& model, const fs::pat
     BakeOptions options = command.bake;
     options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
     BakeReport report;
-    const DisplacementField field = bake_field(mesh, options, &report);
+    const DisplacementField field = naming(model, [&] { return bake_field(mesh, options, &report); });
     const std::vector<std::byte> bytes = write_field(field, {.threads = thread_count(options.threads)});
     if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
     write_file_atomic(output, bytes);
@@ -114,6 +124,13 @@ Json bake_model(const BakeCommand& command, const fs::path& model, const fs::pat
 }
 
 void bake_one(const BakeCommand& command) {
+    // Any other ending is a mistake, and the model itself the worst one; /dev/null and pipes are none.
+    std::error_code error;
+    const bool special = fs::exists(command.output, error) && !fs::is_regular_file(command.output, error);
+    if (extension_of(command.output) != ".dfield" && !special)
+        throw Error(ExitCode::kUsage, "'" + command.output.string() +
+                                          "': the output must end in .dfield, or in / for a folder");
+    check_output(command.output);
     write_json_report(command.common.json,
                       bake_model(command, command.models.front(), command.output, false));
 }
@@ -173,7 +190,7 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
             "--crease", command->crease_degrees,
             "Vertex normals for --self: faces that meet at more than this many degrees do not smooth")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, 180.0))
+        ->check(number_between(0, 180))
         ->group("Model");
     bake->add_flag(
             "--self", command->bake.self_visibility,
@@ -191,6 +208,8 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
     bake->callback([command, &exit_code] {
         command->bake.threads = command->common.threads;
         command->bake.cancel = &interrupted;
+        if (const std::string error = parameters_error(command->bake.parameters); !error.empty())
+            throw Error(ExitCode::kUsage, error);
         const std::string output = command->output.string();
         const bool folder = command->models.size() > 1 || fs::is_directory(command->output) ||
                             (!output.empty() && (output.back() == '/' || output.back() == '\\'));

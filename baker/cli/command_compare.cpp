@@ -80,8 +80,15 @@ void add_group(Setting& setting, const TriangleMesh& mesh, const glm::mat4& tran
     setting.self.emplace_back();
 }
 
+ImportedScene imported(const fs::path& path) {
+    ImportedScene scene = import_scene(path);
+    note_flat_nodes(scene);
+    warn_of(path, scene.report);
+    return scene;
+}
+
 void set_corner(const CompareCommand& command, Setting& setting, float gap) {
-    const ImportedScene scene = import_scene(command.caster);
+    const ImportedScene scene = imported(command.caster);
     const TriangleMesh& caster = setting.meshes[0] = flatten_scene(scene);
     const TriangleMesh& room = setting.meshes[1] = corner_room(triangle_bounds(caster), gap);
     setting.input.fields.push_back(command.field.empty()
@@ -91,23 +98,20 @@ void set_corner(const CompareCommand& command, Setting& setting, float gap) {
     add_group(setting, room, glm::mat4(1), ReceiverGroup::kNoOwner, true);
     if (command.image.empty()) return;
     PictureObject object{&caster, glm::mat4(1), {}, {}, false};
-    object.reference = object.lookup = self_visibility(caster, 256, 0);
+    object.reference = object.lookup = self_visibility(caster, 256, 0, &interrupted);
     setting.objects.push_back(object);
     setting.camera = frame_bounds(triangle_bounds(room), {1, 0.8f, 1.1f}, {0, 1, 0}, 30, 560.0f / 480);
 }
 
 // A scene file: every instance is a caster and a receiver, or with --caster a receiver only.
 void set_scene(const CompareCommand& command, Setting& setting) {
-    const ImportedScene scene = import_scene(command.scene);
+    const ImportedScene scene = imported(command.scene);
     const bool receivers_only = !command.caster.empty();
-    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-        setting.meshes[i] = scene.meshes[i].mesh;
-        if (!receivers_only)
-            setting.input.fields.push_back(field_bytes(command, setting.meshes[i], scene.meshes[i].name));
-    }
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i) setting.meshes[i] = scene.meshes[i].mesh;
+    std::map<std::uint32_t, std::size_t> fields;  // of the meshes that cast
     if (receivers_only) {
         const std::size_t index = scene.meshes.size();
-        setting.meshes[index] = flatten_scene(import_scene(command.caster));
+        setting.meshes[index] = flatten_scene(imported(command.caster));
         setting.input.fields.push_back(command.field.empty()
                                            ? field_bytes(command, setting.meshes[index], "caster")
                                            : given_field(command, setting.meshes[index]));
@@ -119,17 +123,28 @@ void set_scene(const CompareCommand& command, Setting& setting) {
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const SceneInstance& instance = scene.instances[i];
         const TriangleMesh& mesh = setting.meshes[instance.mesh];
-        if (!receivers_only) setting.input.casters.push_back({&mesh, instance.mesh, instance.transform});
-        add_group(setting, mesh, instance.transform, receivers_only ? ReceiverGroup::kNoOwner : i, false);
-        if (command.image.empty()) continue;
+        std::size_t owner = ReceiverGroup::kNoOwner;
+        if (!receivers_only && casts(mesh, instance.transform)) {
+            const auto [field, added] = fields.emplace(instance.mesh, setting.input.fields.size());
+            if (added)
+                setting.input.fields.push_back(field_bytes(command, mesh, scene.meshes[instance.mesh].name));
+            owner = setting.input.casters.size();
+            setting.input.casters.push_back({&mesh, field->second, instance.transform});
+        }
+        add_group(setting, mesh, instance.transform, owner, false);
+        if (command.image.empty() || mesh.triangles.empty()) continue;
         for (const glm::vec3& position : setting.input.groups.back().receivers.positions) {
             bounds.min = glm::min(bounds.min, position);
             bounds.max = glm::max(bounds.max, position);
         }
         auto& values = self[instance.mesh];
-        if (values.empty()) values = self_visibility(mesh, 256, 0);
+        if (values.empty()) values = self_visibility(mesh, 256, 0, &interrupted);
         setting.self.back() = values;
     }
+    if (!receivers_only && setting.input.casters.size() < 2)
+        throw InputError(command.scene +
+                         ": has fewer than two objects, so that none occludes another; give the "
+                         "occluder with --caster");
     setting.camera = frame_bounds(bounds, {1, 0.8f, 1.1f}, {0, 1, 0}, 30, 560.0f / 480);
 }
 
@@ -176,6 +191,7 @@ void run(const CompareCommand& command) {
     input.converged_rays = command.converged_rays;
     input.directions = command.ray_sampling == "polar" ? polar_directions(command.rays, input.weights)
                                                        : cosine_directions(command.rays);
+    check_picture(command.image);
     if (command.scene == "corner" || command.scene == "corner-contact") {
         if (command.caster.empty())
             throw Error(ExitCode::kUsage, "scene " + command.scene + " needs a model in it: --caster MODEL");

@@ -82,6 +82,10 @@ void add_info_command(CLI::App& app, ExitCode&) {
     info->add_option("FILE", command->file, "A .dfield")->required();
     info->add_option("--json", command->json, "Also write it as JSON to this file (- for stdout)")
         ->type_name("FILE");
+    info->footer(
+        "The payload hash is that of the decoded field: equal for equal models and parameters, whatever "
+        "wrote "
+        "the\nfile. Provenance names the mesh by its hash, the parameters and the versions that baked it.");
     info->callback([command] {
         const std::vector<std::byte> bytes = read_file(command->file);
         try {

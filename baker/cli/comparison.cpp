@@ -18,6 +18,8 @@ namespace dfield::cli {
 namespace {
 
 constexpr std::size_t kRaysAChunk = std::size_t{1} << 20;  // prepared packets then take some 50 MB
+constexpr std::size_t kTimedRays = std::size_t{1} << 24;   // larger scenes are timed with fewer repetitions
+constexpr std::size_t kConvergedReceivers = 4096;          // an even subset of more
 constexpr std::size_t kFlattenedCasters = 8;  // more share one acceleration structure by instancing
 
 // All casters but the owner, on both sides.
@@ -207,19 +209,42 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
         fastest(input.repetitions, [&] { opponents.lookup->occluded(ray_view(meeting), answers.data()); });
 }
 
-void set_errors(Comparison& result, const std::vector<float>& converged) {
+// The error against many rays, at an even subset of a group's receivers. `lookup` holds the group's values.
+struct ConvergedError {
+    double squares = 0;
+    std::size_t receivers = 0;
+
+    void add(const EmbreeScene& scene, const Receivers& group, const float* lookup, std::size_t all,
+             const std::vector<glm::vec3>& directions) {
+        const std::size_t stride = std::max<std::size_t>(1, all / kConvergedReceivers);
+        std::vector<glm::vec3> positions, normals;
+        std::vector<float> looked_up;
+        for (std::size_t i = 0; i < group.size(); i += stride) {
+            positions.push_back(group.positions[i]);
+            normals.push_back(group.normals[i]);
+            looked_up.push_back(lookup[i]);
+        }
+        RayVisibilityOptions options;
+        options.directions = directions;
+        options.cancel = &interrupted;
+        const std::vector<float> values = ray_visibility(scene, positions, normals, options);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            squares += std::pow(255.0 * (static_cast<double>(looked_up[i]) - values[i]), 2);
+        receivers += values.size();
+    }
+    double rms() const { return receivers ? std::sqrt(squares / static_cast<double>(receivers)) : 0; }
+};
+
+void set_errors(Comparison& result) {
     const auto n = static_cast<double>(result.lookup.size());
     std::vector<double> errors;
     for (std::size_t i = 0; i < result.lookup.size(); ++i) {
         const double error = 255.0 * (static_cast<double>(result.lookup[i]) - result.reference[i]);
-        const double far = 255.0 * (static_cast<double>(result.lookup[i]) - converged[i]);
         result.rms_grey += error * error / n;
         result.bias_grey += error / n;
-        result.rms_grey_converged += far * far / n;
         errors.push_back(std::fabs(error));
     }
     result.rms_grey = std::sqrt(result.rms_grey);
-    result.rms_grey_converged = std::sqrt(result.rms_grey_converged);
     std::sort(errors.begin(), errors.end());
     const auto percentile = [&](double p) { return errors[static_cast<std::size_t>(p * (n - 1))]; };
     result.max_grey = errors.back();
@@ -231,40 +256,44 @@ void set_errors(Comparison& result, const std::vector<float>& converged) {
 
 }  // namespace
 
-Comparison compare(const ComparisonInput& input) {
+Comparison compare(const ComparisonInput& given) {
+    ComparisonInput input = given;
+    std::size_t receivers = 0;
+    for (const ReceiverGroup& group : input.groups) receivers += group.receivers.size();
+    if (receivers == 0) throw InputError("the scene has no vertices to compare at");
+    const std::size_t ray_count = input.directions.size();
+    input.repetitions =
+        std::clamp(static_cast<int>(kTimedRays / (receivers * ray_count)), 1, std::max(input.repetitions, 1));
+
     Comparison result;
     Arena arena(input);
     result.field_bytes = arena.field_bytes;
     result.file_bytes = arena.file_bytes;
-    const std::size_t ray_count = input.directions.size();
     const std::size_t chunk = std::max<std::size_t>(1, kRaysAChunk / ray_count);
+    const std::vector<glm::vec3> many = cosine_directions(input.converged_rays);
 
     Totals totals;
     EmbreeMode mode{};
-    std::vector<float> converged;
+    ConvergedError converged;
     for (const ReceiverGroup& group : input.groups) {
+        const std::size_t first = result.lookup.size();
+        const EmbreeScene& peer = arena.without(group.owner).embree;
         for (std::size_t begin = 0; begin < group.receivers.size(); begin += chunk) {
             if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted");
             const std::size_t end = std::min(begin + chunk, group.receivers.size());
             if (result.embree_mode.empty())
-                mode = choose_mode(arena.without(group.owner).embree,
-                                   rays_of(group.receivers, begin, end, input.directions), input, result);
+                mode =
+                    choose_mode(peer, rays_of(group.receivers, begin, end, input.directions), input, result);
             compare_chunk(input, arena, group, begin, end, mode, result, totals);
         }
-        const std::vector<glm::vec3> many = cosine_directions(input.converged_rays);
-        RayVisibilityOptions options;
-        options.directions = many;
-        options.threads = 0;
-        const auto values = ray_visibility(arena.without(group.owner).embree, group.receivers.positions,
-                                           group.receivers.normals, options);
-        converged.insert(converged.end(), values.begin(), values.end());
+        converged.add(peer, group.receivers, result.lookup.data() + first, receivers, many);
     }
-    if (result.lookup.empty()) throw InputError("the scene has no vertices to compare at");
 
     result.receivers = result.lookup.size();
     result.rays = result.receivers * ray_count;
     const auto all = static_cast<double>(result.rays);
-    set_errors(result, converged);
+    set_errors(result);
+    result.rms_grey_converged = converged.rms();
     result.disagree_fraction = static_cast<double>(totals.disagreeing) / all;
     result.sphere_hit_fraction = static_cast<double>(totals.sphere_rays) / all;
     result.lookup_mrays_per_s = all / result.lookup_seconds * 1e-6;

@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
     using namespace dfield;
     CLI::App app(
         "Displacement fields: bakes what a rigid object hides into a small file, looks it up in constant "
-        "time.\n");
+        "time.\n",
+        "dfield");
     app.set_version_flag("--version", "dfield " DFIELD_VERSION);
     app.require_subcommand(1);
     app.footer(

@@ -3,11 +3,60 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <map>
 
+#include "baker/cli/report.hpp"
 #include "baker/error.hpp"
 
 namespace dfield::cli {
+namespace {
+
+// A name out of a few, spelt in any case; `value` holds the default.
+template<class Value>
+CLI::Option* add_choice(CLI::App& command, const std::string& flag, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices,
+                        const std::string& description) {
+    std::vector<std::string> names;
+    for (const auto& [name, meaning] : choices) names.push_back(name);
+    const auto set = [&value, choices](const std::string& chosen) {
+        for (const auto& [name, meaning] : choices)
+            if (name == chosen) value = meaning;
+    };
+    return command.add_option_function<std::string>(flag, set, description)
+        ->default_str(names.front())
+        ->transform(CLI::IsMember(names, CLI::ignore_case));
+}
+
+// CLI::Range and its kin let NaN through.
+template<class Accept>
+CLI::Validator number_that(const std::string& is, const std::string& shown, const Accept& accept) {
+    return CLI::Validator(
+        [=](std::string& input) {
+            double value = 0;
+            const bool good =
+                CLI::detail::lexical_cast(input, value) && std::isfinite(value) && accept(value);
+            return good ? std::string() : input + " is no number" + is;
+        },
+        shown);
+}
+
+}  // namespace
+
+CLI::Validator number_between(double low, double high) {
+    const std::string range = text("%g to %g", low, high);
+    return number_that(" from " + range, range, [=](double value) { return value >= low && value <= high; });
+}
+
+CLI::Validator number_above_zero() {
+    return number_that(" above 0", "above 0", [](double value) { return value > 0; });
+}
+
+CLI::Validator number_from_zero() {
+    return number_that(" of 0 or above", "0 or above", [](double value) { return value >= 0; });
+}
+
+CLI::Validator finite_number() {
+    return number_that("", "", [](double) { return true; });
+}
 
 void add_field_options(CLI::App& command, FieldParameters& parameters) {
     command
@@ -24,27 +73,16 @@ void add_field_options(CLI::App& command, FieldParameters& parameters) {
         ->capture_default_str()
         ->check(CLI::Range(1u, kMaxMapSize))
         ->group("Field");
-    command
-        .add_option("--mapping", parameters.mapping,
-                    "How texels cover the hemisphere: concentric, polar or rejection")
-        ->default_str("concentric")
-        ->transform(
-            CLI::CheckedTransformer(std::map<std::string, Mapping>{{"concentric", Mapping::kConcentric},
-                                                                   {"polar", Mapping::kPolar},
-                                                                   {"rejection", Mapping::kRejection}},
-                                    CLI::ignore_case)
-                .description("{concentric,polar,rejection}"))
+    add_choice(command, "--mapping", parameters.mapping,
+               {{"concentric", Mapping::kConcentric},
+                {"polar", Mapping::kPolar},
+                {"rejection", Mapping::kRejection}},
+               "How a map's texels cover the hemisphere; concentric is the most accurate")
         ->group("Field");
-    command
-        .add_option("--positions", parameters.positions,
-                    "Layout of positional samples: slater, or latlong (the paper's uniform comparison, "
-                    "(2n+1) x (2n+2))")
-        ->default_str("slater")
-        ->transform(
-            CLI::CheckedTransformer(std::map<std::string, Positions>{{"slater", Positions::kSlater},
-                                                                     {"latlong", Positions::kLatlong}},
-                                    CLI::ignore_case)
-                .description("{slater,latlong}"))
+    add_choice(command, "--positions", parameters.positions,
+               {{"slater", Positions::kSlater}, {"latlong", Positions::kLatlong}},
+               "Layout of positional samples: slater is even; latlong is the paper's uniform comparison, "
+               "(2n+1) x (2n+2)")
         ->group("Field");
     command
         .add_option("--bits", parameters.bits,
@@ -73,24 +111,19 @@ void add_ao_options(CLI::App& command, AoOptions& options) {
     command
         .add_option("--max-distance", options.desc.max_distance,
                     "Hits further than this (world units) do not occlude; default: any distance does")
-        ->check(CLI::PositiveNumber)
+        ->check(number_above_zero())
         ->group("Ambient occlusion");
-    command
-        .add_option("--falloff", options.desc.falloff,
-                    "How occlusion falls towards --max-distance: none, linear, smooth, exponential or table")
-        ->default_str("none")
-        ->transform(CLI::CheckedTransformer(
-                        std::map<std::string, std::uint32_t>{{"none", DFIELD_FALLOFF_NONE},
-                                                             {"linear", DFIELD_FALLOFF_LINEAR},
-                                                             {"smooth", DFIELD_FALLOFF_SMOOTH},
-                                                             {"exponential", DFIELD_FALLOFF_EXPONENTIAL},
-                                                             {"table", DFIELD_FALLOFF_TABLE}},
-                        CLI::ignore_case)
-                        .description("{none,linear,smooth,exponential,table}"))
+    add_choice<std::uint32_t>(command, "--falloff", options.desc.falloff,
+                              {{"none", DFIELD_FALLOFF_NONE},
+                               {"linear", DFIELD_FALLOFF_LINEAR},
+                               {"smooth", DFIELD_FALLOFF_SMOOTH},
+                               {"exponential", DFIELD_FALLOFF_EXPONENTIAL},
+                               {"table", DFIELD_FALLOFF_TABLE}},
+                              "How occlusion falls to nothing at --max-distance (which all but none need)")
         ->group("Ambient occlusion");
     command.add_option("--falloff-rate", options.desc.falloff_rate, "k of the exponential falloff")
         ->capture_default_str()
-        ->check(CLI::Range(0.001, 80.0))
+        ->check(number_between(0.001, 80))
         ->group("Ambient occlusion");
     command
         .add_option("--falloff-table", options.table_file,
@@ -99,7 +132,7 @@ void add_ao_options(CLI::App& command, AoOptions& options) {
         ->group("Ambient occlusion");
     command.add_option("--bias", options.desc.bias, "Hits nearer than this (world units) do not count")
         ->capture_default_str()
-        ->check(CLI::NonNegativeNumber)
+        ->check(number_from_zero())
         ->group("Ambient occlusion");
 }
 

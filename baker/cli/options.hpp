@@ -9,6 +9,12 @@
 
 namespace dfield::cli {
 
+// Checks of numbers; all of them refuse NaN and infinity.
+CLI::Validator number_between(double low, double high);
+CLI::Validator number_above_zero();
+CLI::Validator number_from_zero();
+CLI::Validator finite_number();
+
 // --subdivision --map-size --mapping --positions --bits
 void add_field_options(CLI::App& command, FieldParameters& parameters);
 

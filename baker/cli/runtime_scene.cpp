@@ -1,5 +1,6 @@
 #include "baker/cli/runtime_scene.hpp"
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -34,6 +35,21 @@ dfield_receivers Receivers::view(std::span<const dfield_instance> owners) const 
     view.normals = normals.empty() ? nullptr : &normals.front().x;
     view.owners = owners.empty() ? nullptr : owners.data();
     return view;
+}
+
+bool casts(const TriangleMesh& mesh, const glm::mat4& transform) {
+    const glm::dmat3 linear(transform);
+    const double box = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    return !mesh.triangles.empty() && std::fabs(glm::determinant(linear)) > 1e-9 * box;
+}
+
+void note_flat_nodes(ImportedScene& scene) {
+    for (const SceneInstance& instance : scene.instances) {
+        const TriangleMesh& mesh = scene.meshes[instance.mesh].mesh;
+        if (!mesh.triangles.empty() && !casts(mesh, instance.transform))
+            scene.report.warnings.push_back("node '" + instance.name +
+                                            "' is scaled by zero along an axis: it occludes nothing");
+    }
 }
 
 Receivers placed_vertices(const TriangleMesh& mesh, const glm::mat4& transform) {

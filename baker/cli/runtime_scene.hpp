@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "baker/mesh.hpp"
+#include "baker/scene.hpp"
 #include "dfield/dfield.hpp"
 
 namespace dfield::cli {
@@ -32,6 +32,13 @@ struct Receivers {
     // For the C ABI; `owners` may be empty.
     dfield_receivers view(std::span<const dfield_instance> owners = {}) const;
 };
+
+// Whether a mesh placed so can be looked up: it has triangles, and no scale of the transform is zero (glTF
+// hides nodes by that).
+bool casts(const TriangleMesh& mesh, const glm::mat4& transform);
+
+// Adds to the report's warnings the nodes with triangles that do not cast.
+void note_flat_nodes(ImportedScene& scene);
 
 // A mesh's vertices placed in the world: normals by the inverse transpose, unit.
 Receivers placed_vertices(const TriangleMesh& mesh, const glm::mat4& transform);

@@ -28,12 +28,6 @@ void check_interrupt() {
     if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
 }
 
-// The largest factor by which a transform stretches along an axis of object space.
-float stretch(const glm::mat4& m) {
-    return std::max(
-        {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))});
-}
-
 // Rotation, translation, mirroring and one scale: angles stay, so occlusion of an object by itself stays too.
 bool keeps_angles(const glm::mat4& m) {
     const glm::mat3 linear(m);
@@ -83,10 +77,10 @@ class Job {
             check_interrupt();
             const auto start = Clock::now();
             const std::unique_ptr<EmbreeScene> others = options_.self ? nullptr : casters_without(i);
-            RayVisibilityOptions rays = ray_options(i);
+            RayVisibilityOptions rays = ray_options();
             rays.ground = options_.ground;
-            if (!options_.self) rays.normal_offset = 0;  // nothing to lift the ray off
-            result_.values.push_back(ray_visibility(options_.self ? *whole : *others, receivers_[i].positions,
+            result_.values.push_back(ray_visibility(options_.self ? *whole : *others,
+                                                    options_.self ? ray_origins(i) : receivers_[i].positions,
                                                     receivers_[i].normals, rays));
             result_.visibility_seconds += seconds_since(start);
         }
@@ -94,6 +88,10 @@ class Job {
     }
 
   private:
+    bool casts(std::size_t instance) const {
+        return cli::casts(mesh_of(instance), scene_.instances[instance].transform);
+    }
+
     const TriangleMesh& mesh_of(std::size_t instance) const {
         return scene_.meshes[scene_.instances[instance].mesh].mesh;
     }
@@ -109,7 +107,7 @@ class Job {
         const bool alone = scene_.instances.size() < 2;
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
             const SceneInstance& instance = scene_.instances[i];
-            if (mesh_of(i).triangles.empty() || (alone && !self_in_field())) continue;
+            if (!casts(i) || (alone && !self_in_field())) continue;
             if (!fields_.contains(instance.mesh)) fields_.emplace(instance.mesh, bake(instance.mesh));
             ids_[i] = lookup.add(fields_.at(instance.mesh), &instance.transform[0][0]);
         }
@@ -139,7 +137,7 @@ class Job {
 
     std::vector<float> self_of(std::size_t i) {
         const SceneInstance& instance = scene_.instances[i];
-        if (mesh_of(i).triangles.empty()) return {};
+        if (!casts(i)) return {};
         if (self_in_field() && keeps_angles(instance.transform)) {
             const float* baked = fields_.at(instance.mesh).self_visibility();
             return {baked, baked + receivers_[i].size()};
@@ -148,16 +146,24 @@ class Job {
         EmbreeScene own(EmbreeUse::kFast);
         own.add_mesh(mesh_of(i), instance.transform);
         own.commit(options_.threads);
-        auto values = ray_visibility(own, receivers_[i].positions, receivers_[i].normals, ray_options(i));
+        auto values = ray_visibility(own, ray_origins(i), receivers_[i].normals, ray_options());
         result_.self_seconds += seconds_since(start);
         return values;
+    }
+
+    // Where rays leave an instance's vertices, world space.
+    std::vector<glm::vec3> ray_origins(std::size_t i) const {
+        std::vector<glm::vec3> origins = vertex_ray_origins(mesh_of(i));
+        for (glm::vec3& origin : origins)
+            origin = glm::vec3(scene_.instances[i].transform * glm::vec4(origin, 1));
+        return origins;
     }
 
     // Everything but one instance; an index past the end leaves nothing out.
     std::unique_ptr<EmbreeScene> casters_without(std::size_t omitted) {
         auto casters = std::make_unique<EmbreeScene>(EmbreeUse::kFast);
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-            if (i == omitted || mesh_of(i).triangles.empty()) continue;
+            if (i == omitted || !casts(i)) continue;
             auto& object = objects_[scene_.instances[i].mesh];
             if (!object) {
                 object = std::make_unique<EmbreeScene>(EmbreeUse::kFast);
@@ -170,15 +176,13 @@ class Job {
         return casters;
     }
 
-    RayVisibilityOptions ray_options(std::size_t i) {
+    RayVisibilityOptions ray_options() const {
         RayVisibilityOptions rays;
         rays.directions = directions_;
+        rays.cancel = &interrupted;
         rays.near_distance = options_.ao.bias;
         rays.max_distance = options_.ao.max_distance;
         rays.threads = options_.threads;
-        if (!mesh_of(i).triangles.empty())
-            rays.normal_offset = kSelfOffset * smallest_enclosing_ball(mesh_of(i)).radius *
-                                 stretch(scene_.instances[i].transform);
         if (options_.ao.falloff != DFIELD_FALLOFF_NONE) {
             rays.occlusion = [](const void* ao, float distance) {
                 return dfield_ao_get_occlusion(static_cast<const dfield_ao*>(ao), distance);

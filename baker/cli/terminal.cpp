@@ -36,7 +36,6 @@ constexpr auto kPlainLine = std::chrono::seconds(5);
 
 void install_interrupt_handler() {
     std::signal(SIGINT, on_interrupt);
-    std::signal(SIGTERM, on_interrupt);
 }
 
 ProgressBar::ProgressBar(std::string label, std::string unit, bool quiet)
@@ -83,7 +82,7 @@ std::string with_prefix(double value) {
     else if (value >= 1e3)
         value /= 1e3, prefix = "k";
     char text[32];
-    std::snprintf(text, sizeof text, "%.2f %s", value, prefix);
+    std::snprintf(text, sizeof text, *prefix ? "%.2f %s" : "%.0f %s", value, prefix);
     return text;
 }
 

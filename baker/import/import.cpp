@@ -7,22 +7,18 @@
 #include "baker/import/text_scan.hpp"
 
 namespace dfield {
-namespace {
 
-// "3 triangles without area, 1 ..." or nothing.
-std::string what_was_left_out(const ImportReport& report) {
+std::string ImportReport::left_out() const {
     std::string text;
     const auto add = [&](std::uint64_t count, const char* what) {
         if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
     };
-    add(report.degenerate, "without area");
-    add(report.not_finite, "with a NaN or infinite position");
-    add(report.index_out_of_range, "with an index beyond the vertices");
-    add(report.skipped_primitives, "points or lines");
+    add(degenerate, "without area");
+    add(not_finite, "with a NaN or infinite position");
+    add(index_out_of_range, "with an index beyond the vertices");
+    add(skipped_primitives, "points or lines");
     return text;
 }
-
-}  // namespace
 
 ImportedScene import_scene(const std::filesystem::path& path, const ImportOptions& options) {
     const std::string extension = path.extension().string();
@@ -40,7 +36,7 @@ ImportedScene import_scene(const std::filesystem::path& path, const ImportOption
         scene.instances.begin(), scene.instances.end(),
         [&](const SceneInstance& instance) { return !scene.meshes[instance.mesh].mesh.triangles.empty(); });
     if (!usable) {
-        const std::string left_out = what_was_left_out(scene.report);
+        const std::string left_out = scene.report.left_out();
         throw InputError(path.string() + ": no usable triangle (" + std::to_string(scene.report.faces) +
                          " faces in the file" + (left_out.empty() ? "" : "; left out: " + left_out) +
                          "); check that it was exported with faces" +
