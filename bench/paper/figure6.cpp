@@ -4,6 +4,8 @@
 #include "baker/cli/report.hpp"
 #include "bench/paper/corner_picture.hpp"
 #include "bench/paper/figures.hpp"
+#include "bench/paper/plain_lookup.hpp"
+#include "format/file.hpp"
 
 namespace dfield::paper {
 namespace {
@@ -12,70 +14,104 @@ using cli::text;
 
 constexpr std::array<std::uint32_t, 4> kMapSizes{8, 16, 32, 64}, kSubdivisions{8, 16, 32, 64};
 
-Table table_with(const Lab& lab, const char* first) {
-    std::vector<std::string> columns{first};
-    for (const std::uint32_t size : kMapSizes) {
-        const std::string side = std::to_string(lab.parameters(1, size).map_size);
-        columns.push_back(side + " x " + side);
+struct Cell {
+    FieldParameters parameters;
+    double bake_seconds, lookup_seconds, rms, plain_rms;
+    std::size_t file_bytes;
+    Image difference;
+};
+using Row = std::array<Cell, kMapSizes.size()>;
+
+Cell measure(Lab& lab, const Model& model, const FieldParameters& parameters) {
+    const Baked& field = lab.baked(model, parameters);
+    const Receivers& receivers = lab.receivers(model, Room::kGap);
+    const Directions& rays = lab.directions(Rays::kConcentric);
+    const std::vector<float>& reference = lab.ray_cast(model, Room::kGap, Rays::kConcentric);
+    Lookup lookup(field.bytes, receivers, rays);
+    Cell cell;
+    cell.parameters = parameters;
+    cell.bake_seconds = field.seconds();
+    cell.lookup_seconds = lookup.fastest_run(lab.rounds(7));
+    cell.rms = errors_of(lookup.visibility(), reference).rms;
+    cell.plain_rms = errors_of(plain_visibility(read_field(field.bytes), receivers, rays, {}), reference).rms;
+    cell.file_bytes = field.bytes.size();
+    cell.difference =
+        corner_images(lab, model, Room::kGap, Rays::kConcentric, lookup.visibility(), 220, 187)[2];
+    return cell;
+}
+
+// One row for each number of positions, one column for each size of map.
+template<class Text>
+Table table_of(const std::vector<Row>& rows, const char* title, const Text& text_of) {
+    std::vector<std::string> columns{title};
+    for (const Cell& cell : rows.front()) columns.push_back(square(cell.parameters.map_size));
+    Table table(columns);
+    for (const Row& row : rows) {
+        const FieldParameters& parameters = row.front().parameters;
+        std::vector<std::string> cells{grouped(paper_position_count(parameters)) + " (" +
+                                       grouped(position_count(parameters)) + ")"};
+        for (const Cell& cell : row) cells.push_back(text_of(cell));
+        table.row(cells);
     }
-    return Table(columns);
+    return table;
+}
+
+Image picture_of(const std::vector<Row>& rows) {
+    std::vector<Image> pictures;
+    for (std::size_t i = 0; i < 3; ++i) {  // the paper's three
+        std::vector<Image> images;
+        std::vector<std::string> captions;
+        for (const Cell& cell : rows[i]) {
+            images.push_back(cell.difference);
+            captions.push_back(text("%s / %ux%u: %.2f",
+                                    grouped(paper_position_count(cell.parameters)).c_str(),
+                                    cell.parameters.map_size, cell.parameters.map_size, cell.rms));
+        }
+        pictures.push_back(image_row(images, captions));
+    }
+    return image_column(pictures);
 }
 
 }  // namespace
 
 void write_figure6(Lab& lab, Page& page) {
     const Model& model = lab.subject();
+    std::vector<Row> rows(kSubdivisions.size());
+    for (std::size_t i = 0; i < kSubdivisions.size(); ++i)
+        for (std::size_t j = 0; j < kMapSizes.size(); ++j)
+            rows[i][j] = measure(lab, model, lab.parameters(kSubdivisions[i], kMapSizes[j]));
+
     page.heading(2, "Figure 6: resolutions");
     page.paragraph(
         "The " + model.name +
-        ", 8 bits, concentric maps of the size above each column; rows are positional "
-        "samples as the paper counts them (its three, and one more) and as they are stored, shared points of "
-        "the equator once. Each cell: bake in seconds / ambient occlusion of the room in milliseconds / RMS "
-        "in grey levels.");
-    Table results = table_with(lab, "positions (stored)"), sizes = table_with(lab, "file, KiB");
-    std::map<std::pair<std::uint32_t, std::uint32_t>, double> rms;
-    std::vector<Image> rows;
-    for (const std::uint32_t subdivision : kSubdivisions) {
-        const FieldParameters row = lab.parameters(subdivision, 8);
-        std::vector<std::string> cells{grouped(paper_position_count(row)) + " (" +
-                                       grouped(position_count(row)) + ")"};
-        std::vector<std::string> bytes{grouped(paper_position_count(row))};
-        std::vector<Image> images;
-        std::vector<std::string> captions;
-        for (const std::uint32_t size : kMapSizes) {
-            const Baked& field = lab.baked(model, lab.parameters(subdivision, size));
-            Lookup lookup(field.bytes, lab.receivers(model, Room::kGap), lab.directions(Rays::kConcentric));
-            const double seconds = lookup.fastest_run(lab.rounds(7));
-            const double error = rms[{subdivision, size}] =
-                errors_of(lookup.visibility(), lab.ray_cast(model, Room::kGap, Rays::kConcentric)).rms;
-            cells.push_back(text("%.2f / %.1f / %.2f", field.seconds(), 1e3 * seconds, error));
-            bytes.push_back(text("%.0f", static_cast<double>(field.bytes.size()) / 1024));
-            images.push_back(
-                corner_images(lab, model, Room::kGap, Rays::kConcentric, lookup.visibility(), 220, 187)[1]);
-            captions.push_back(text("%s / %ux%u: %.2f", grouped(paper_position_count(row)).c_str(),
-                                    field.parameters.map_size, field.parameters.map_size, error));
-        }
-        results.row(cells);
-        sizes.row(bytes);
-        if (subdivision != kSubdivisions.back()) rows.push_back(image_row(images, captions));
-    }
-    page.table(results);
-    page.table(sizes);
-    page.picture("figure6", image_column(rows),
-                 "The room by lookup: directions from left to right, positions from top to bottom");
-
-    const double positions = rms[{8, 32}] / rms[{32, 32}], directions = rms[{32, 8}] / rms[{32, 64}];
+        ", 8 bits, concentric maps of the size above each column. Rows are positional samples as the paper "
+        "counts them (its three numbers, and one more) and, in brackets, as they are stored: points on the "
+        "equator once.");
+    page.table(table_of(rows, "bake, s / AO, ms / RMS", [](const Cell& cell) {
+        return text("%.2f / %.1f / %.2f", cell.bake_seconds, 1e3 * cell.lookup_seconds, cell.rms);
+    }));
+    page.table(table_of(rows, "RMS of the paper's lookup",
+                        [](const Cell& cell) { return text("%.2f", cell.plain_rms); }));
+    page.table(table_of(rows, "file, KiB", [](const Cell& cell) {
+        return text("%.0f", static_cast<double>(cell.file_bytes) / 1024);
+    }));
+    page.paragraph("The pictures look alike, so here are their differences from ray casting, times five:");
+    page.picture("figure6", picture_of(rows),
+                 "Differences from ray casting: directions from left to right, positions from top to bottom");
+    const auto gain = [&](double Cell::*rms) {
+        return std::array{rows[0][2].*rms / rows[2][2].*rms, rows[2][0].*rms / rows[2][3].*rms};
+    };
+    const auto own = gain(&Cell::rms), plain = gain(&Cell::plain_rms);
     page.paragraph(
-        text("Four times the positions twice over (258 to 4,226 in the paper's sizes) divide the error by "
-             "%.2f "
-             "with the third map size; eight times the side of the maps divides it by %.2f with the third "
-             "number of positions. ",
-             positions, directions) +
-        "In the paper the error falls with positions and hardly with directions. Here both count: the "
-        "lookup aims from the sample at the middle of the ray's chord instead of along the ray (see the last "
-        "table), so that most of the error which more positions used to remove is not there in the first "
-        "place, and the size of a texel shows. The time of a lookup depends on neither but through the "
-        "caches: fields beyond the last-level cache are slower.");
+        text(
+            "From the first to the third row the error falls by a factor of %.2f (third column); from the "
+            "first to the last column by %.2f (third row). With the paper's lookup these are %.2f and %.2f. ",
+            own[0], own[1], plain[0], plain[1]) +
+        "The paper finds that positions matter and directions hardly do. The pivot (last table) takes away "
+        "most of the error that more positions used to, so that here the size of a texel counts for more, "
+        "and "
+        "each row gains less over the one above. As in the paper a lookup's time does not depend on the "
+        "resolution, until a field outgrows the caches.");
 }
 
 }  // namespace dfield::paper

@@ -107,19 +107,20 @@ void write_several_objects(Lab& lab, Page& page) {
     page.heading(3, "Several objects");
     page.paragraph("The paper's last column: the room receives, " + objects[0].model->name + " casts, " +
                    objects[1].model->name + " and " + objects[2].model->name +
-                   " do both. Each object's occlusion by itself is baked once and multiplied in (in the "
+                   " do both. Boxes are scaled to the same longest side. Each object's occlusion by itself "
+                   "is baked once and multiplied in (in the "
                    "picture; it is in neither time nor error, on both sides).");
     Table table({"objects", "triangles", "receivers", "rays", "ray casting, s", "bake, s", "AO by lookup, s",
-                 "speedup", "RMS"});
+                 "speedup, ×", "RMS"});
     table.row({std::to_string(objects.size()), grouped(triangles), grouped(result.receivers),
                grouped(result.rays), text("%.3f", result.embree_seconds), text("%.2f", bake_seconds),
-               text("%.3f", result.lookup_seconds), text("%.2f x", result.speedup),
+               text("%.3f", result.lookup_seconds), text("%.2f", result.speedup),
                text("%.2f", result.rms_grey)});
     page.table(table);
     add_picture(lab, objects, input, room, result, page);
     page.paragraph(
-        "The lookup asks every object in turn, Embree one structure of all triangles: with few objects of "
-        "many triangles the lookup gains, with many small ones it loses.");
+        "The lookup asks every object in turn, Embree one structure of all triangles: the cost of a lookup "
+        "grows with the objects, not with their triangles.");
 }
 
 }  // namespace dfield::paper
