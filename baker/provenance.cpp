@@ -7,6 +7,12 @@
 #include "baker/hash.hpp"
 
 namespace dfield {
+namespace {
+
+// Grows when equal parameters begin to give another payload, so that caches and folders bake again.
+constexpr int kBakeRevision = 1;
+
+}  // namespace
 
 const char* name_of(Positions positions) {
     return positions == Positions::kSlater ? "slater" : "latlong";
@@ -28,6 +34,7 @@ std::string provenance_json(const TriangleMesh& mesh, const BakeOptions& options
     const FieldParameters& parameters = options.parameters;
     nlohmann::ordered_json json;
     json["tool"] = "dfield " DFIELD_VERSION;
+    json["revision"] = kBakeRevision;
     json["mesh"] = {
         {"hash", mesh_hash(mesh)}, {"vertices", mesh.positions.size()}, {"triangles", mesh.triangles.size()}};
     json["parameters"] = {{"positions", name_of(parameters.positions)},
