@@ -98,8 +98,10 @@ std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh) {
     }
     const float lift = mesh.triangles.empty() ? 0 : kLift * smallest_enclosing_ball(mesh).radius;
     for (std::size_t i = 0; i < towards.size(); ++i) {
-        const glm::vec3 inset =
+        glm::vec3 inset =
             triangles[i] > 0 ? kInset * (towards[i] / triangles[i] - mesh.positions[i]) : glm::vec3(0);
+        // The middle of the triangles around a convex vertex lies inside the object.
+        inset -= std::min(glm::dot(inset, mesh.normals[i]), 0.0f) * mesh.normals[i];
         towards[i] = mesh.positions[i] + inset + lift * mesh.normals[i];
     }
     return towards;

@@ -29,8 +29,8 @@ struct RayVisibilityOptions {
 };
 
 // Where rays leave a mesh's own vertices, object space: 1% of the way to the middle of the triangles around,
-// since a vertex of a concave edge lies in its neighbours' planes, and 1e-4 bounding radii along the normal.
-// Needs normals.
+// since a vertex of a concave edge lies in its neighbours' planes, but not against the normal, which would
+// lead into the object, and 1e-4 bounding radii along the normal. Needs normals.
 std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh);
 
 // One value a receiver, 1 = open. Directions are turned into the receiver's frame by the frame rule. Normals

@@ -47,8 +47,14 @@ class Job {
         for (std::size_t r = 0; r < directions_.size(); ++r)
             directions_[r] = {ao_.directions()[3 * r], ao_.directions()[3 * r + 1],
                               ao_.directions()[3 * r + 2]};
-        for (const SceneInstance& instance : scene.instances)
-            receivers_.push_back(placed_vertices(scene.meshes[instance.mesh].mesh, instance.transform));
+        for (const SceneInstance& instance : scene.instances) {
+            const TriangleMesh& mesh = scene.meshes[instance.mesh].mesh;
+            Receivers& receivers = receivers_.emplace_back(placed_vertices(mesh, instance.transform));
+            // What stands on another object touches it: whether that is hit at distance 0 would be chance.
+            const std::vector<glm::vec3> origins = vertex_ray_origins(mesh);
+            for (std::size_t i = 0; i < origins.size(); ++i)
+                receivers.positions[i] = glm::vec3(instance.transform * glm::vec4(origins[i], 1));
+        }
     }
 
     SceneVisibility by_lookup() {
@@ -79,8 +85,7 @@ class Job {
             const std::unique_ptr<EmbreeScene> others = options_.self ? nullptr : casters_without(i);
             RayVisibilityOptions rays = ray_options();
             rays.ground = options_.ground;
-            result_.values.push_back(ray_visibility(options_.self ? *whole : *others,
-                                                    options_.self ? ray_origins(i) : receivers_[i].positions,
+            result_.values.push_back(ray_visibility(options_.self ? *whole : *others, receivers_[i].positions,
                                                     receivers_[i].normals, rays));
             result_.visibility_seconds += seconds_since(start);
         }
@@ -146,17 +151,9 @@ class Job {
         EmbreeScene own(EmbreeUse::kFast);
         own.add_mesh(mesh_of(i), instance.transform);
         own.commit(options_.threads);
-        auto values = ray_visibility(own, ray_origins(i), receivers_[i].normals, ray_options());
+        auto values = ray_visibility(own, receivers_[i].positions, receivers_[i].normals, ray_options());
         result_.self_seconds += seconds_since(start);
         return values;
-    }
-
-    // Where rays leave an instance's vertices, world space.
-    std::vector<glm::vec3> ray_origins(std::size_t i) const {
-        std::vector<glm::vec3> origins = vertex_ray_origins(mesh_of(i));
-        for (glm::vec3& origin : origins)
-            origin = glm::vec3(scene_.instances[i].transform * glm::vec4(origin, 1));
-        return origins;
     }
 
     // Everything but one instance; an index past the end leaves nothing out.

@@ -12,6 +12,7 @@ Camera corner_camera(const Bounds& room, std::uint32_t width, std::uint32_t heig
 std::array<Image, 3> corner_images(Lab& lab, const Model& model, Room room, Rays rays,
                                    const std::vector<float>& visibility, std::uint32_t width,
                                    std::uint32_t height) {
+    width = lab.pixels(width), height = lab.pixels(height);
     const TriangleMesh& planes = lab.room(model, room);
     const std::vector<float>& self = lab.self_visibility(model);
     const std::vector<cli::PictureObject> objects{

@@ -13,7 +13,7 @@ namespace dfield::paper {
 Camera corner_camera(const Bounds& room, std::uint32_t width, std::uint32_t height);
 
 // Ray casting, the given visibility of the room, and their difference times five. The model itself shows its
-// own occlusion.
+// own occlusion. A quick() lab's pictures are smaller.
 std::array<Image, 3> corner_images(Lab& lab, const Model& model, Room room, Rays rays,
                                    const std::vector<float>& visibility, std::uint32_t width,
                                    std::uint32_t height);

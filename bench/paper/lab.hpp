@@ -60,6 +60,7 @@ class Lab {
     // The paper's sizes, made smaller by quick().
     FieldParameters parameters(std::uint32_t subdivision = 32, std::uint32_t map_size = 32,
                                std::uint32_t bits = 8) const;
+    std::uint32_t pixels(std::uint32_t full) const { return quick_ ? full / 4 : full; }
     int rounds(int full) const { return quick_ ? 1 : full; }
 
     // A bake on one core. Short ones are repeated, the fastest counts.

@@ -64,8 +64,9 @@ void add_picture(Lab& lab, const std::vector<Place>& objects, const cli::Compari
         }
         first += mesh.positions.size();
     }
+    const std::uint32_t width = lab.pixels(400), height = lab.pixels(340);
     const auto images =
-        cli::comparison_images(drawn, corner_camera(triangle_bounds(room), 400, 340), 0, 400, 340);
+        cli::comparison_images(drawn, corner_camera(triangle_bounds(room), width, height), 0, width, height);
     const std::array<std::string, 3> captions{std::string("ray casting"), std::string("by lookup"),
                                               text("difference x5, RMS %.2f", result.rms_grey)};
     page.picture("several_objects", image_row(images, captions),

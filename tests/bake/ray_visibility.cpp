@@ -70,6 +70,10 @@ TEST_CASE("Solid ground hides what goes against its normal") {
 TEST_CASE("Self-visibility: convex is open, a box's inside is closed") {
     const TriangleMesh sphere = test::sphere_mesh({5, 5, 5}, 2);
     for (const float value : self_visibility(sphere, 256, 0)) REQUIRE(value > 0.98f);
+    TriangleMesh box =
+        test::box_mesh({0, 0, 0}, {1, 2, 3});  // vertices shared by three sides: long triangles
+    compute_normals(box);
+    for (const float value : self_visibility(box, 256, 0)) REQUIRE(value == 1);
     TriangleMesh inside = test::box_mesh({0, 0, 0}, {1, 1, 1});
     for (const glm::vec3& p : inside.positions) inside.normals.push_back(glm::normalize(glm::vec3(0.5f) - p));
     for (const float value : self_visibility(inside, 256, 0)) REQUIRE(value < 0.02f);

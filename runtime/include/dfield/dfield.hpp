@@ -13,7 +13,8 @@ namespace dfield {
 
 class Exception : public std::runtime_error {
   public:
-    Exception(dfield_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
+    Exception(dfield_status status, const std::string& message)
+        : std::runtime_error(message), status_(status) {}
     dfield_status status() const noexcept { return status_; }
 
   private:
@@ -25,11 +26,11 @@ inline void check(dfield_status status) {
 }
 
 namespace detail {
-template <class T, void (*Release)(T*)>
+template<class T, void (*Release)(T*)>
 struct Releaser {
     void operator()(T* object) const noexcept { Release(object); }
 };
-template <class T, void (*Release)(T*)>
+template<class T, void (*Release)(T*)>
 using Handle = std::unique_ptr<T, Releaser<T, Release>>;
 }  // namespace detail
 
@@ -114,7 +115,8 @@ class Scene {
     void occluded(const dfield_rays& rays, std::uint8_t* result) const {
         check(dfield_scene_occluded(handle_.get(), &rays, result));
     }
-    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result, std::size_t stride = 0) const {
+    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result,
+                    std::size_t stride = 0) const {
         check(dfield_scene_visibility(handle_.get(), ao.get(), &receivers, result, stride));
     }
     void visibility_mask(const Ao& ao, const dfield_receivers& receivers, std::uint32_t* masks,
