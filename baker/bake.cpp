@@ -19,7 +19,7 @@
 namespace dfield {
 namespace {
 
-constexpr std::uint32_t kPacket = 4;
+constexpr std::uint32_t kPacket = 8;
 constexpr float kMiss = -1;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -63,8 +63,7 @@ float exact_distance(const TriangleMesh& mesh, std::uint32_t triangle, const glm
 }
 
 // Distances of one map in unit-sphere space, kMiss where nothing is hit. `distances` has m * m entries, all
-// kMiss. Packets of four: with the incoherent flag Embree follows single rays anyway, and wider packets
-// measured slower.
+// kMiss. With the incoherent flag Embree follows single rays; packets of eight measured fastest.
 void trace_map(const EmbreeScene& scene, const TriangleMesh& mesh, const glm::vec3& point,
                const std::vector<glm::vec3>& directions, const std::vector<std::uint32_t>& order,
                std::vector<float>& distances) {
@@ -74,15 +73,15 @@ void trace_map(const EmbreeScene& scene, const TriangleMesh& mesh, const glm::ve
     const Frame frame = frame_of_normal(-point);
     for (std::size_t first = 0; first < order.size(); first += kPacket) {
         const std::size_t count = std::min<std::size_t>(kPacket, order.size() - first);
-        alignas(16) RTCRayHit4 packet;
-        alignas(16) std::array<int, kPacket> valid{};
+        alignas(32) RTCRayHit8 packet;
+        alignas(32) std::array<int, kPacket> valid{};
         for (std::size_t i = 0; i < count; ++i) {
             const glm::vec3 direction = frame.to_world(directions[order[first + i]]);
             valid[i] = -1;
             set_ray(packet.ray, i, point, direction, 0, std::numeric_limits<float>::infinity());
             clear_hit(packet.hit, i);
         }
-        rtcIntersect4(valid.data(), scene.get(), &context, &packet);
+        rtcIntersect8(valid.data(), scene.get(), &context, &packet);
         for (std::size_t i = 0; i < count; ++i) {
             if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
             const glm::vec3 direction(packet.ray.dir_x[i], packet.ray.dir_y[i], packet.ray.dir_z[i]);

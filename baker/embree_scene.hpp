@@ -37,7 +37,7 @@ class EmbreeScene {
     void commit(int threads = 0);
 
     RTCScene get() const { return scene_; }
-    // The instruction set that rays are traced with, as recorded in provenance: "avx2", "sse4.2", ...
+    // The instruction set that rays are traced with, as recorded in provenance: "avx", or "native"
     const std::string& instruction_set() const { return instruction_set_; }
 
   private:

@@ -1,11 +1,11 @@
 // Figure 2: displacement maps as pictures, one row an object, one column a mapping of directions.
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "baker/bake.hpp"
 #include "baker/provenance.hpp"
 #include "bench/paper/figures.hpp"
+#include "format/sphere_points.hpp"
 
 namespace dfield::paper {
 namespace {
@@ -17,30 +17,12 @@ std::span<const std::uint8_t> map_of(const DisplacementField& field, std::size_t
     return std::span(field.texels).subspan(index * bytes, bytes);
 }
 
-// Texels whose right or lower neighbour differs by more than a step of the surface would: outlines, of the
-// object and of its parts in front of each other.
-std::size_t outline_length(std::span<const std::uint8_t> map, std::uint32_t size) {
-    constexpr int kStep = 6;
-    std::size_t length = 0;
-    for (std::uint32_t t = 0; t + 1 < size; ++t)
-        for (std::uint32_t s = 0; s + 1 < size; ++s) {
-            const int here = map[t * size + s];
-            length += std::abs(here - map[t * size + s + 1]) > kStep ||
-                      std::abs(here - map[(t + 1) * size + s]) > kStep;
-        }
-    return length;
-}
-
-// The sample that shows most of the object's form.
-std::size_t best_sample(const DisplacementField& field) {
-    std::size_t best = 0, longest = 0;
-    for (std::size_t i = 0; i < position_count(field.parameters); ++i)
-        if (const std::size_t length = outline_length(map_of(field, i), field.parameters.map_size);
-            length > longest) {
-            best = i;
-            longest = length;
-        }
-    return best;
+// The sample on the +z side and somewhat above (y is up): the cow from its side, the cube's hole. By the
+// frame rule +x is to the right in its map and +y upwards.
+std::size_t shown_sample(const FieldParameters& parameters) {
+    const auto points = sphere_points(parameters.positions, parameters.subdivision);
+    return nearest_sphere_point(parameters.positions, parameters.subdivision, points.data(),
+                                glm::normalize(glm::vec3(0, 0.66f, 0.75f)));
 }
 
 // Distances in greys, the nearest darkest; misses white.
@@ -68,12 +50,9 @@ Image row_of(Lab& lab, const Model& model) {
     options.parameters.subdivision = 2;
     std::array<Image, kMappings.size()> images;
     std::array<std::string, kMappings.size()> captions;
-    std::size_t sample = 0;
-    for (std::size_t i = kMappings.size(); i-- > 0;) {  // the concentric map, the last, chooses the sample
+    for (std::size_t i = 0; i < kMappings.size(); ++i) {
         options.parameters.mapping = kMappings[i];
-        const DisplacementField field = bake_field(model.mesh, options);
-        if (kMappings[i] == Mapping::kConcentric) sample = best_sample(field);
-        images[i] = picture_of(field, sample);
+        images[i] = picture_of(bake_field(model.mesh, options), shown_sample(options.parameters));
         captions[i] = model.name + ", " + name_of(kMappings[i]);
     }
     return image_row(images, captions);
@@ -87,9 +66,9 @@ void write_figure2(Lab& lab, Page& page) {
     page.paragraph(
         "Maps of one positional sample, " + square(size) +
         " texels: dark is near the sample, light is far (stretched to the map's range), white is a miss. The "
-        "sample, of 18, is the one whose concentric map has the longest outlines. The polar map has phi to "
-        "the right and theta downwards, so that its upper rows hold nearly one direction; the rejection map "
-        "leaves 21.5% of its texels unused; the concentric map uses all of them.");
+        "polar map has phi to the right and theta downwards, so that its upper rows hold nearly one "
+        "direction; the rejection map leaves 21.5% of its texels unused; the concentric map uses all of "
+        "them.");
     std::vector<Image> rows;
     std::string names;
     for (const char* name : {"cow", "cube with a hole"})

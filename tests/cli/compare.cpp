@@ -15,7 +15,7 @@ using namespace dfield::test;
 namespace fs = std::filesystem;
 
 Json compare(const Shell& shell, const Arguments& more, bool small = true) {
-    Arguments arguments{"compare", "--json", "-", "--repetitions", "1", "--converged-rays", "64"};
+    Arguments arguments{"compare", "--json", "-", "--repetitions", "1", "--converged-rays", "16"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Run run = shell.run(small ? with_small_field(arguments) : arguments);
     INFO(run.err);
@@ -75,8 +75,8 @@ TEST_CASE("compare takes a baked field, or bakes one and keeps it") {
     CHECK(compare(shell, {"--caster", "cube.obj", "--threads", "2"}).at("rms_grey") == baked.at("rms_grey"));
     shell.write("tetrahedron.obj",
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-    const Run wrong = shell.run({"compare", "--caster", "tetrahedron.obj", "--field", "cube.dfield",
-                                 "--repetitions", "1", "--converged-rays", "1"});
+    const Run wrong =
+        shell.run({"compare", "--caster", "tetrahedron.obj", "--field", "cube.dfield", "--repetitions", "1"});
     CHECK(wrong.exit_code == 0);
     CHECK(contains(wrong.err, "cube.dfield was baked from another mesh"));
 }
@@ -102,13 +102,12 @@ TEST_CASE("compare's options change what they should") {
 TEST_CASE("compare of a scene whose objects occlude each other") {
     const Shell shell;
     const std::string scene = source_file("models/scene_instances.glb").string();
-    const Json json = compare(shell, {"--scene", scene, "--rays", "4", "--converged-rays", "1"});
+    const Json json = compare(shell, {"--scene", scene, "--rays", "4"});
     CHECK(json.at("rays").get<std::size_t>() == 4 * json.at("receivers").get<std::size_t>());
     CHECK(number(json, "receivers", 3 * 51000, 200000) > 0);
     CHECK(number(json, "rms_grey", 0.1, 60) > 0);
     // With a caster the scene only receives.
-    const Json receiving =
-        compare(shell, {"--scene", scene, "--caster", "cube.obj", "--rays", "4", "--converged-rays", "1"});
+    const Json receiving = compare(shell, {"--scene", scene, "--caster", "cube.obj", "--rays", "4"});
     CHECK(receiving.at("receivers") == json.at("receivers"));
     CHECK(receiving.at("field_bytes").get<double>() < json.at("field_bytes").get<double>());
 }
