@@ -140,10 +140,13 @@ dfield_rays ray_view(const std::vector<PeerRay>& rays) {
 // The fastest of Embree's modes on one chunk of the rays.
 EmbreeMode choose_mode(const EmbreeScene& scene, const std::vector<PeerRay>& rays,
                        const ComparisonInput& input, Comparison& result) {
-    EmbreeMode best = embree_modes().front();
+    const std::span<const EmbreeMode> modes = embree_modes(input.casters.size() > kFlattenedCasters);
+    EmbreeMode best = modes.front();
     double best_rate = 0;
     std::vector<std::uint8_t> occluded;
-    for (const EmbreeMode& mode : embree_modes()) {
+    const bool instanced = input.casters.size() > kFlattenedCasters;
+    for (const EmbreeMode& mode : modes) {
+        if (mode.coherent && instanced) continue;  // Embree 3.13 may never return
         const double seconds = time_occluded(scene, rays, mode, input.threads, 3, occluded);
         const double rate = static_cast<double>(rays.size()) / seconds * 1e-6;
         result.embree_modes.emplace_back(mode.name(), rate);

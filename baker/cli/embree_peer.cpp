@@ -107,10 +107,11 @@ std::string EmbreeMode::name() const {
     return "rtcOccluded" + std::to_string(width) + (coherent ? " coherent" : " incoherent");
 }
 
-std::span<const EmbreeMode> embree_modes() {
+std::span<const EmbreeMode> embree_modes(bool instanced) {
     static constexpr std::array<EmbreeMode, 7> kModes{
         {{16, false}, {8, false}, {4, false}, {1, false}, {16, true}, {8, true}, {4, true}}};
-    return kModes;
+    const std::span<const EmbreeMode> all(kModes);
+    return instanced ? all.first(4) : all;  // the incoherent ones come first
 }
 
 double time_occluded(const EmbreeScene& scene, std::span<const PeerRay> rays, const EmbreeMode& mode,
