@@ -144,9 +144,7 @@ EmbreeMode choose_mode(const EmbreeScene& scene, const std::vector<PeerRay>& ray
     EmbreeMode best = modes.front();
     double best_rate = 0;
     std::vector<std::uint8_t> occluded;
-    const bool instanced = input.casters.size() > kFlattenedCasters;
     for (const EmbreeMode& mode : modes) {
-        if (mode.coherent && instanced) continue;  // Embree 3.13 may never return
         const double seconds = time_occluded(scene, rays, mode, input.threads, 3, occluded);
         const double rate = static_cast<double>(rays.size()) / seconds * 1e-6;
         result.embree_modes.emplace_back(mode.name(), rate);
@@ -182,7 +180,7 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
     result.embree_seconds +=
         time_occluded(opponents.embree, rays, mode, input.threads, input.repetitions, occluded);
     // Errors are against one mode, whichever was fastest: along edges the modes differ in a few rays.
-    time_occluded(opponents.embree, rays, embree_modes().front(), input.threads, 1, occluded);
+    time_occluded(opponents.embree, rays, embree_modes(true).front(), input.threads, 1, occluded);
 
     const std::size_t words = dfield_ao_get_mask_words(arena.ao().get());
     std::vector<std::uint32_t> masks(count * words);

@@ -87,7 +87,7 @@ Duel duel(const TriangleMesh& caster, std::span<const std::byte> field, const Re
     std::vector<std::uint8_t> occluded;
     for (int round = 0; round < rounds; ++round) {
         const double hopeless = kHopeless * result.embree_seconds;
-        for (const cli::EmbreeMode& mode : cli::embree_modes()) {
+        for (const cli::EmbreeMode& mode : cli::embree_modes(false)) {
             if (round > 0 && first[mode.name()] > hopeless) continue;
             const double seconds = cli::time_occluded(scene, rays, mode, 1, 1, occluded);
             first.emplace(mode.name(), seconds);
