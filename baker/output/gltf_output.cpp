@@ -35,6 +35,7 @@ class MeshPatcher {
                 attach(mesh_index, ranges, *shared);
             else
                 for (const PrimitiveRange* range : ranges) attach(mesh_index, {range}, values_of(*range));
+        open_the_rest(mesh_index);
     }
 
   private:
@@ -87,6 +88,23 @@ class MeshPatcher {
             auto [color, is_new] = colors.try_emplace(existing);
             if (is_new) color->second = append_color(existing, values);
             target["COLOR_0"] = color->second;
+        }
+    }
+
+    // Points and lines have no hemisphere to see: they are open, so that a mesh has the attribute throughout.
+    void open_the_rest(std::size_t mesh_index) {
+        const std::size_t count = document_.entry("meshes", mesh_index).at("primitives").size();
+        for (std::size_t primitive = 0; primitive < count; ++primitive) {
+            const auto is_it = [&](const PrimitiveRange& range) { return range.primitive == primitive; };
+            if (std::any_of(mesh_.primitives.begin(), mesh_.primitives.end(), is_it)) continue;
+            const PrimitiveRange rest{.primitive = static_cast<std::uint32_t>(primitive)};
+            const auto position = document_.index_in(attributes(mesh_index, rest), "POSITION");
+            if (!position) continue;
+            const auto vertices = document_.index_in(document_.entry("accessors", *position), "count");
+            const std::vector<float> open(vertices.value_or(0), 1.0f);
+            if (!open.empty())
+                attributes(mesh_index, rest)["_OCCLUSION"] = document_.append_accessor(
+                    std::as_bytes(std::span(open)), kGltfFloat, "SCALAR", open.size(), kGltfArrayBuffer);
         }
     }
 
