@@ -253,7 +253,13 @@ void add_compare_command(CLI::App& app, ExitCode&) {
         "queries on the casters alone, packets prepared beforehand, the fastest of seven modes. The lookup's "
         "side is\n"
         "the whole call, rays made from vertices included.");
-    compare->callback([command] { run(*command); });
+    compare->callback([command, compare] {
+        for (const char* flag : {"--subdivision", "--map-size", "--mapping", "--positions", "--bits"})
+            if (!command->field.empty() && compare->count(flag) > 0)
+                std::fprintf(stderr, "dfield: warning: %s is ignored: %s has its own (see dfield info)\n",
+                             flag, command->field.string().c_str());
+        run(*command);
+    });
 }
 
 }  // namespace dfield::cli

@@ -75,6 +75,10 @@ TEST_CASE("compare takes a baked field, or bakes one and keeps it") {
     CHECK(compare(shell, {"--caster", "cube.obj", "--threads", "2"}).at("rms_grey") == baked.at("rms_grey"));
     shell.write("tetrahedron.obj",
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const Run ignored = shell.run(
+        {"compare", "--caster", "cube.obj", "--field", "cube.dfield", "--bits", "1", "--repetitions", "1"});
+    CHECK(ignored.exit_code == 0);
+    CHECK(contains(ignored.err, "--bits is ignored"));
     const Run wrong =
         shell.run({"compare", "--caster", "tetrahedron.obj", "--field", "cube.dfield", "--repetitions", "1"});
     CHECK(wrong.exit_code == 0);
