@@ -160,13 +160,4 @@ float first_hit(const dfield_field& field, const Chord& chord) {
     return last.hit && last.t > 0 ? last.t : kNone;
 }
 
-// Whether anything on the line lies at t > minimum.
-template<int kBits>
-bool hit_beyond(const dfield_field& field, const Chord& chord, float minimum) {
-    if (!(chord.t_out() > minimum)) return false;
-    if (chord.t_in() >= minimum) return look_up<kBits>(field, chord, LineEnd::kEntry).hit;
-    const LineHit last = look_up<kBits>(field, chord, LineEnd::kExit);
-    return last.hit && last.t > minimum;
-}
-
 }  // namespace dfield::runtime

@@ -1,7 +1,10 @@
 // Batches of rays.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "any_hit_batch.hpp"
 #include "lookup.hpp"
 #include "scene.hpp"
 #include "status.hpp"
@@ -57,15 +60,6 @@ float instance_hit(const Instance& instance, const Ray& ray) {
     return with_bits(*instance.field, [&]<int kBits>() { return first_hit<kBits>(*instance.field, chord); });
 }
 
-bool instance_occludes(const Instance& instance, const Ray& ray) {
-    Chord chord;
-    if (!chord_of_ray(instance, ray, chord)) return false;
-    return with_bits(*instance.field, [&]<int kBits>() {
-        return ray.max_distance == kInfinity ? hit_beyond<kBits>(*instance.field, chord, 0)
-                                             : first_hit<kBits>(*instance.field, chord) <= ray.max_distance;
-    });
-}
-
 struct NearestHit {
     float distance = kInfinity;
     dfield_instance instance = DFIELD_NO_INSTANCE;
@@ -82,13 +76,39 @@ NearestHit nearest(const dfield_scene& scene, const Ray& ray) {
     return best.distance <= ray.max_distance ? best : NearestHit{};
 }
 
-bool occluded(const dfield_scene& scene, const Ray& ray) {
-    if (!usable(ray)) return false;
-    const float ground = ground_hit(scene, ray);
-    if (ground < kInfinity && ground <= ray.max_distance) return true;
-    for (const dfield_instance id : scene.active)
-        if (instance_occludes(scene.instances[id], ray)) return true;
-    return false;
+// Rays [begin, end), at most a batch, instance by instance. Rays that one instance blocks are not asked
+// again.
+void occluded_block(const dfield_scene& scene, const RayReader& reader, std::size_t begin, std::size_t end,
+                    std::uint8_t* result) {
+    std::array<bool, AnyHitBatch::kCapacity> open;  // usable, and not blocked so far
+    for (std::size_t i = begin; i < end; ++i) {
+        const Ray ray = reader[i];
+        const bool use = usable(ray);
+        const float ground = use ? ground_hit(scene, ray) : kInfinity;
+        result[i] = ground < kInfinity && ground <= ray.max_distance;
+        open[i - begin] = use && !result[i];
+    }
+    AnyHitBatch batch;
+    for (const dfield_instance id : scene.active) {
+        const Instance& instance = scene.instances[id];
+        const auto block = [&](std::size_t k) {
+            result[begin + k] = 1;
+            open[k] = false;
+        };
+        with_bits(*instance.field, [&]<int kBits>() {
+            for (std::size_t k = 0; k < end - begin; ++k) {
+                Chord chord;
+                if (!open[k]) continue;
+                const Ray ray = reader[begin + k];
+                if (!chord_of_ray(instance, ray, chord)) continue;
+                if (ray.max_distance == kInfinity)
+                    batch.add(chord, static_cast<std::uint16_t>(k), 0, false);
+                else if (first_hit<kBits>(*instance.field, chord) <= ray.max_distance)
+                    block(k);
+            }
+            batch.look_up<kBits>(*instance.field, block);
+        });
+    }
 }
 
 void require_rays(const dfield_scene* scene, const dfield_rays* rays, const void* output) {
@@ -127,7 +147,8 @@ dfield_status dfield_scene_occluded(const dfield_scene* scene, const dfield_rays
         require_rays(scene, rays, result);
         const RayReader reader(*rays);
         scene->context()->for_ranges(rays->count, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) result[i] = occluded(*scene, reader[i]) ? 1 : 0;
+            for (std::size_t first = begin; first < end; first += AnyHitBatch::kCapacity)
+                occluded_block(*scene, reader, first, std::min(first + AnyHitBatch::kCapacity, end), result);
         });
     });
 }

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "any_hit_batch.hpp"
 #include "ao.hpp"
 #include "format/frame.hpp"
 #include "lookup.hpp"
@@ -20,7 +21,7 @@ namespace dfield::runtime {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kBlock = 256;  // rays that share one stack-held set of results
+constexpr std::size_t kBlock = AnyHitBatch::kCapacity;  // rays that share one stack-held set of results
 
 // Tangent planes that cut less than this deep into an object's box (in radii) count as touching it: rounding
 // of positions and transforms must not turn contact into penetration.
@@ -85,47 +86,20 @@ float hit_distance(const dfield_field& field, const Chord& chord, Side side, flo
     return t >= bias ? t : kInfinity;
 }
 
-struct PendingLookup {
-    Chord chord;
-    Probe probe;
-    std::uint16_t ray;
-    bool any_depth;  // a hit counts wherever on the line it lies
-};
-
-// Whether rays hit at all, for a batch: all texels are found and asked for before the first is read, since a
-// lookup is a chain of roots and divisions that ends in a cache miss.
+// Whether rays hit at all.
 template<int kBits>
 void add_any_hits(const dfield_field& field, const dfield_ao& ao, std::size_t begin, const glm::mat3& carry,
                   const glm::vec3& origin, Side side, const std::uint16_t* survivors, std::size_t kept,
                   Nearest& nearest) {
-    std::array<PendingLookup, kBlock> pending;
-    std::size_t count = 0;
+    AnyHitBatch batch;
     for (std::size_t k = 0; k < kept; ++k) {
         const std::size_t i = survivors[k];
-        PendingLookup& lookup = pending[count];
         const glm::vec3 local(ao.x[begin + i], ao.y[begin + i], ao.z[begin + i]);
-        if (nearest[i] < kInfinity || !chord_of_line(origin, carry * local, lookup.chord) ||
-            !(lookup.chord.t_out() > ao.bias))
-            continue;
-        lookup.ray = survivors[k];
-        ++count;
+        Chord chord;
+        if (nearest[i] == kInfinity && chord_of_line(origin, carry * local, chord))
+            batch.add(chord, survivors[k], ao.bias, side == Side::kInFront);
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        PendingLookup& lookup = pending[k];
-        // From outside the sphere every hit is ahead. From inside the exit point is asked, looking back: it
-        // knows the last hit on the line, and its sample lies farther from the receiver. An object wholly in
-        // front of the tangent plane needs no depth even then.
-        const bool outside = lookup.chord.t_in() >= ao.bias;
-        lookup.any_depth = outside || side == Side::kInFront;
-        lookup.probe = probe_line(field, lookup.chord, outside ? LineEnd::kEntry : LineEnd::kExit);
-        prefetch(texel_address(field, lookup.probe));
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-        const PendingLookup& lookup = pending[k];
-        if (probe_hits<kBits>(field, lookup.probe) &&
-            (lookup.any_depth || hit_parameter<kBits>(field, lookup.chord, lookup.probe) > ao.bias))
-            nearest[lookup.ray] = 0;
-    }
+    batch.look_up<kBits>(field, [&](std::uint16_t i) { nearest[i] = 0; });
 }
 
 template<int kBits>
