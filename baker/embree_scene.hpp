@@ -13,7 +13,7 @@ namespace dfield {
 
 // What a scene is optimised for.
 enum class EmbreeUse {
-    kBake,  // fixed instruction set and robust edges: the same hits on every x86 machine
+    kBake,  // fixed instruction set without fused multiply-add, robust edges: the same hits wherever it runs
     kFast   // the machine's best instruction set, high build quality: the peer in comparisons, pictures,
             // reference AO
 };
@@ -37,7 +37,7 @@ class EmbreeScene {
     void commit(int threads = 0);
 
     RTCScene get() const { return scene_; }
-    // The instruction set that rays are traced with, as recorded in provenance: "avx", or "native"
+    // The instruction set that Embree was asked for, as recorded in provenance: "avx", or "native"
     const std::string& instruction_set() const { return instruction_set_; }
 
   private:
