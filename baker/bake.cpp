@@ -9,9 +9,12 @@
 #include "baker/bounding_sphere.hpp"
 #include "baker/embree_scene.hpp"
 #include "baker/error.hpp"
+#include "baker/exact_distance.hpp"
 #include "baker/parallel.hpp"
+#include "baker/plan.hpp"
 #include "baker/provenance.hpp"
 #include "baker/ray_visibility.hpp"
+#include "baker/unit_mesh.hpp"
 #include "format/frame.hpp"
 #include "format/hemisphere_map.hpp"
 #include "format/sphere_points.hpp"
@@ -26,17 +29,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The mesh in the space where its bounding sphere is the unit sphere, without the vertices that nothing uses.
-TriangleMesh normalised(const TriangleMesh& mesh, const BoundingSphere& sphere) {
-    TriangleMesh unit;
-    unit.triangles = mesh.triangles;
-    unit.positions.reserve(mesh.positions.size());
-    const glm::dvec3 centre(sphere.centre);
-    for (const glm::vec3& position : mesh.positions)
-        unit.positions.emplace_back((glm::dvec3(position) - centre) / static_cast<double>(sphere.radius));
-    return unit;
-}
-
 // Texels that hold a direction, in tiles of 4 x 4, so that a packet's rays lie close together.
 std::vector<std::uint32_t> traced_texels(const std::vector<glm::vec3>& directions, std::uint32_t m) {
     std::vector<std::uint32_t> order;
@@ -46,20 +38,6 @@ std::vector<std::uint32_t> traced_texels(const std::vector<glm::vec3>& direction
                 for (std::uint32_t s = tile_s; s < std::min(tile_s + 4, m); ++s)
                     if (directions[t * m + s].z >= 0) order.push_back(t * m + s);
     return order;
-}
-
-// Embree decides which triangle a ray hits first; the distance is computed again here, in double and in a
-// fixed order of operations, since Embree's rests on reciprocal estimates that differ between makers of
-// processors.
-float exact_distance(const TriangleMesh& mesh, std::uint32_t triangle, const glm::vec3& origin,
-                     const glm::vec3& direction) {
-    const glm::uvec3 corners = mesh.triangles[triangle];
-    const glm::dvec3 a(mesh.positions[corners.x]);
-    const glm::dvec3 normal =
-        glm::cross(glm::dvec3(mesh.positions[corners.y]) - a, glm::dvec3(mesh.positions[corners.z]) - a);
-    const double t = glm::dot(a - glm::dvec3(origin), normal) / glm::dot(glm::dvec3(direction), normal);
-    return static_cast<float>(
-        std::clamp(t, 0.0, 2.0));  // NaN (a ray in the triangle's plane) is caught by the caller
 }
 
 // Distances of one map in unit-sphere space, kMiss where nothing is hit. `distances` has m * m entries, all
@@ -85,8 +63,9 @@ void trace_map(const EmbreeScene& scene, const TriangleMesh& mesh, const glm::ve
         for (std::size_t i = 0; i < count; ++i) {
             if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
             const glm::vec3 direction(packet.ray.dir_x[i], packet.ray.dir_y[i], packet.ray.dir_z[i]);
-            const float exact = exact_distance(mesh, packet.hit.primID[i], point, direction);
-            distances[order[first + i]] = exact >= 0 ? exact : packet.ray.tfar[i];
+            const double exact =
+                std::clamp(exact_distance(mesh, packet.hit.primID[i], point, direction), 0.0, 2.0);
+            distances[order[first + i]] = exact >= 0 ? static_cast<float>(exact) : packet.ray.tfar[i];
         }
     }
 }
@@ -160,35 +139,18 @@ class Progress {
     std::mutex mutex_;
 };
 
-}  // namespace
-
-DisplacementField bake_field(const TriangleMesh& mesh, const BakeOptions& options, BakeReport* report) {
+void bake_maps(const TriangleMesh& mesh, const BoundingSphere& sphere, const BakeOptions& options,
+               DisplacementField& field, BakeReport& result) {
     const FieldParameters& parameters = options.parameters;
-    if (const std::string error = parameters_error(parameters); !error.empty()) throw InputError(error);
-    if (mesh.triangles.empty()) throw InputError("the mesh has no usable triangle");
-
-    const BoundingSphere sphere = smallest_enclosing_ball(mesh);
-    if (!(sphere.radius > 0) || !std::isfinite(sphere.radius))
-        throw InputError("the mesh has no extent that floats can hold (radius " +
-                         std::to_string(sphere.radius) + ")");
-    DisplacementField field;
-    field.parameters = parameters;
-    field.centre = sphere.centre;
-    field.radius = sphere.radius;
-    const Bounds bounds = triangle_bounds(mesh);
-    field.bounds_min = bounds.min;
-    field.bounds_max = bounds.max;
     field.texels.resize(texel_bytes(parameters));
     if (parameters.bits == 1) field.mean_depth.resize(position_count(parameters));
 
     auto start = std::chrono::steady_clock::now();
-    const TriangleMesh unit = normalised(mesh, sphere);
+    const TriangleMesh unit = unit_mesh(mesh, sphere);
     EmbreeScene scene(EmbreeUse::kBake);
     scene.add_mesh(unit);
     scene.commit(options.threads);
-    BakeReport result;
     result.build_seconds = seconds_since(start);
-    result.instruction_set = scene.instruction_set();
 
     start = std::chrono::steady_clock::now();
     const std::vector<glm::vec3> points = sphere_points(parameters.positions, parameters.subdivision);
@@ -209,15 +171,38 @@ DisplacementField bake_field(const TriangleMesh& mesh, const BakeOptions& option
         progress.add(std::uint64_t{end - begin} * order.size());
     });
     result.trace_seconds = seconds_since(start);
+}
+
+}  // namespace
+
+DisplacementField bake_field(const TriangleMesh& mesh, const BakeOptions& options, BakeReport* report) {
+    const FieldParameters& parameters = options.parameters;
+    if (const std::string error = parameters_error(parameters); !error.empty()) throw InputError(error);
+    if (mesh.triangles.empty()) throw InputError("the mesh has no usable triangle");
+
+    const BoundingSphere sphere = smallest_enclosing_ball(mesh);
+    if (!(sphere.radius > 0) || !std::isfinite(sphere.radius))
+        throw InputError("the mesh has no extent that floats can hold (radius " +
+                         std::to_string(sphere.radius) + ")");
+    DisplacementField field;
+    field.parameters = parameters;
+    field.centre = sphere.centre;
+    field.radius = sphere.radius;
+    const Bounds bounds = triangle_bounds(mesh);
+    field.bounds_min = bounds.min;
+    field.bounds_max = bounds.max;
+    BakeReport result;
+    result.instruction_set = bake_instruction_set();
+    if (has_maps(parameters)) bake_maps(mesh, sphere, options, field, result);
 
     if (options.self_visibility) {
-        start = std::chrono::steady_clock::now();
+        const auto start = std::chrono::steady_clock::now();
         for (const float visibility :
              self_visibility(mesh, options.self_rays, options.threads, options.cancel))
             field.self_visibility.push_back(static_cast<std::uint16_t>(std::lround(visibility * 65535.0f)));
         result.self_seconds = seconds_since(start);
     }
-    field.provenance = provenance_json(mesh, options, result.instruction_set);
+    field.provenance = provenance_json(mesh, {.maps = parameters}, options, result.instruction_set);
     if (report) *report = result;
     return field;
 }

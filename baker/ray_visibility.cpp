@@ -23,24 +23,29 @@ float ground_distance(std::span<const float> plane, const glm::vec3& origin, con
     return std::max(glm::dot(normal, origin) - plane[3], 0.0f) / -approach;
 }
 
-float receiver_visibility(const EmbreeScene& scene, const glm::vec3& origin, const glm::vec3& normal,
-                          const RayVisibilityOptions& options) {
+// Calls visit(r, cosine, occlusion) for the rays of a receiver in order; shared ones only where it faces
+// them.
+template<class Visit>
+void trace_receiver(const EmbreeScene& scene, const glm::vec3& origin, const glm::vec3& normal,
+                    const RayVisibilityOptions& options, const Visit& visit) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     const Frame frame = frame_of_normal(normal);
     const std::size_t count = options.directions.size();
-    const float even_weight = 1 / static_cast<float>(count);
-    double occlusion = 0;
-    for (std::size_t first = 0; first < count; first += kPacket) {
-        const std::size_t lanes = std::min(kPacket, count - first);
+    for (std::size_t next = 0; next < count;) {
         alignas(64) std::array<int, kPacket> valid{};
         alignas(64) RTCRayHit16 packet;
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            valid[lane] = -1;
-            set_ray(packet.ray, lane, origin, frame.to_world(options.directions[first + lane]),
+        std::array<std::size_t, kPacket> rays;
+        std::size_t lanes = 0;
+        for (; next < count && lanes < kPacket; ++next) {
+            const glm::vec3& given = options.directions[next];
+            if (options.shared && !(glm::dot(normal, given) > 0)) continue;
+            set_ray(packet.ray, lanes, origin, options.shared ? given : frame.to_world(given),
                     options.near_distance, options.max_distance);
-            clear_hit(packet.hit, lane);
+            clear_hit(packet.hit, lanes);
+            valid[lanes] = -1;
+            rays[lanes++] = next;
         }
         // Where Embree has no packets this wide it ignores `valid` and takes every ray whose interval is not
         // empty.
@@ -64,10 +69,34 @@ float receiver_visibility(const EmbreeScene& scene, const glm::vec3& origin, con
                 const bool under = ground < kInfinity && ground <= options.max_distance;
                 hit = packet.ray.tfar[lane] < 0 || under ? 1.0f : 0.0f;
             }
-            occlusion += hit * (options.weights.empty() ? even_weight : options.weights[first + lane]);
+            visit(rays[lane], glm::dot(normal, direction), hit);
         }
     }
+}
+
+float receiver_visibility(const EmbreeScene& scene, const glm::vec3& origin, const glm::vec3& normal,
+                          const RayVisibilityOptions& options) {
+    const float even_weight = 1 / static_cast<float>(options.directions.size());
+    double occlusion = 0, whole = 0;
+    trace_receiver(scene, origin, normal, options, [&](std::size_t r, float cosine, float hit) {
+        const float weight = options.shared            ? cosine
+                             : options.weights.empty() ? even_weight
+                                                       : options.weights[r];
+        occlusion += hit * weight;
+        whole += weight;
+    });
+    if (options.shared) occlusion = whole > 0 ? occlusion / whole : 0;
     return static_cast<float>(std::clamp(1 - occlusion, 0.0, 1.0));
+}
+
+// Calls receiver(i) for all receivers, on the options' threads.
+template<class Receiver>
+void for_receivers(std::size_t count, const RayVisibilityOptions& options, const Receiver& receiver) {
+    parallel_ranges(options.threads, count, 64, [&](std::size_t begin, std::size_t end) {
+        if (options.cancel && options.cancel->load(std::memory_order_relaxed))
+            throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+        for (std::size_t i = begin; i < end; ++i) receiver(i);
+    });
 }
 
 }  // namespace
@@ -75,13 +104,25 @@ float receiver_visibility(const EmbreeScene& scene, const glm::vec3& origin, con
 std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm::vec3> positions,
                                   std::span<const glm::vec3> normals, const RayVisibilityOptions& options) {
     std::vector<float> visibility(positions.size());
-    parallel_ranges(options.threads, positions.size(), 64, [&](std::size_t begin, std::size_t end) {
-        if (options.cancel && options.cancel->load(std::memory_order_relaxed))
-            throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
-        for (std::size_t i = begin; i < end; ++i)
-            visibility[i] = receiver_visibility(scene, positions[i], normals[i], options);
+    for_receivers(positions.size(), options, [&](std::size_t i) {
+        visibility[i] = receiver_visibility(scene, positions[i], normals[i], options);
     });
     return visibility;
+}
+
+std::vector<std::uint32_t> ray_masks(const EmbreeScene& scene, std::span<const glm::vec3> positions,
+                                     std::span<const glm::vec3> normals,
+                                     const RayVisibilityOptions& options) {
+    const std::size_t words = (options.directions.size() + 31) / 32;
+    std::vector<std::uint32_t> masks(positions.size() * words);
+    RayVisibilityOptions any_hit = options;
+    any_hit.occlusion = nullptr;
+    for_receivers(positions.size(), options, [&](std::size_t i) {
+        trace_receiver(scene, positions[i], normals[i], any_hit, [&](std::size_t r, float, float hit) {
+            if (hit > 0) masks[i * words + r / 32] |= 1u << (r % 32);
+        });
+    });
+    return masks;
 }
 
 std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh) {

@@ -15,9 +15,12 @@
 namespace dfield {
 
 struct RayVisibilityOptions {
-    std::span<const glm::vec3> directions;  // around +z, each of weight 1 / size, unless `weights` is given
-    std::span<const float> weights;         // empty, or one a direction, summing to 1
-    float near_distance = 0;                // rays start here
+    // Around +z, turned into each receiver's frame by the frame rule, of weight 1 / size; or shared by all
+    // receivers, in world space and over the whole sphere, of weight max(0, n.w).
+    std::span<const glm::vec3> directions;
+    bool shared = false;
+    std::span<const float> weights;  // empty; or around +z: one a direction, summing to 1
+    float near_distance = 0;         // rays start here
     // Occlusion by distance; empty: any hit counts 1. Otherwise the first hit's distance is handed to it.
     float (*occlusion)(const void* data, float distance) = nullptr;
     const void* occlusion_data = nullptr;
@@ -33,10 +36,15 @@ struct RayVisibilityOptions {
 // lead into the object, and 1e-4 bounding radii along the normal. Needs normals.
 std::vector<glm::vec3> vertex_ray_origins(const TriangleMesh& mesh);
 
-// One value a receiver, 1 = open. Directions are turned into the receiver's frame by the frame rule. Normals
-// are unit.
+// One value a receiver, 1 = open. Normals are unit; one that no shared direction faces is open.
 std::vector<float> ray_visibility(const EmbreeScene& scene, std::span<const glm::vec3> positions,
                                   std::span<const glm::vec3> normals, const RayVisibilityOptions& options);
+
+// (directions + 31) / 32 words a receiver: bit r & 31 of word r >> 5 is 1 when ray r hits anything within
+// max_distance, and 0 for a shared direction that the receiver does not face; as the masks of dfield.h, with
+// which they combine by OR. Options as above, `occlusion` and `weights` apart, which are not read.
+std::vector<std::uint32_t> ray_masks(const EmbreeScene& scene, std::span<const glm::vec3> positions,
+                                     std::span<const glm::vec3> normals, const RayVisibilityOptions& options);
 
 // Visibility of a mesh's own vertices past the mesh itself, by `rays` cosine-weighted rays. Vertices start
 // 1e-4 of the bounding radius above the surface. A mesh without normals gets angle-weighted ones.

@@ -22,48 +22,6 @@ std::pmr::vector<std::uint32_t> ring_starts(const FieldParameters& parameters,
     return starts;
 }
 
-// Binary range decoder, the counterpart of codec_encode.cpp's RangeEncoder.
-class RangeDecoder {
-  public:
-    explicit RangeDecoder(std::span<const std::byte> bytes)
-        : next_(bytes.data()), end_(next_ + bytes.size()) {
-        for (int i = 0; i < 4; ++i) code_ = code_ << 8 | byte();
-    }
-
-    bool code(BitModel& model, bool) {
-        const auto bound = static_cast<std::uint32_t>(std::uint64_t{range_} * model.probability() >> 16);
-        const bool bit = code_ < bound;
-        if (bit) {
-            range_ = bound;
-        } else {
-            code_ -= bound;
-            range_ -= bound;
-        }
-        while (range_ < 1u << 24) {
-            range_ <<= 8;
-            code_ = code_ << 8 | byte();
-        }
-        model.update(bit);
-        return bit;
-    }
-    bool failed() const { return overrun_; }
-    // Every byte read, and the final state is the encoder's.
-    bool complete() const { return !overrun_ && next_ == end_ && code_ == 0; }
-
-  private:
-    std::uint32_t byte() {
-        if (next_ == end_) {
-            overrun_ = true;
-            return 0;
-        }
-        return std::to_integer<std::uint32_t>(*next_++);
-    }
-
-    const std::byte *next_, *end_;
-    std::uint32_t range_ = 0xffffffff, code_ = 0;
-    bool overrun_ = false;
-};
-
 // Folded residuals out of the streams of their contexts, most significant byte first.
 class ResidualDecoder {
   public:
@@ -133,17 +91,8 @@ std::pmr::vector<Neighbours> position_neighbours(const FieldParameters& paramete
     std::pmr::vector<Neighbours> neighbours(starts.back(), memory);
     for (std::size_t ring = 0; ring + 1 < starts.size(); ++ring) {
         const std::uint32_t first = starts[ring], size = starts[ring + 1] - first;
-        for (std::uint32_t j = 0; j < size; ++j) {
-            Neighbours& n = neighbours[first + j];
-            if (j > 0) n.previous = first + j - 1;
-            if (ring == 0) continue;
-            // Azimuth j / size of a turn is place j * before / size on the ring before; a half rounds up.
-            const std::uint32_t before = first - starts[ring - 1];
-            const std::uint32_t nearest = (2 * j * before + size) / (2 * size);
-            const bool rounded_up = nearest * size > j * before;
-            n.above = starts[ring - 1] + nearest % before;
-            n.beside = starts[ring - 1] + (nearest + (rounded_up ? before - 1 : 1)) % before;
-        }
+        for (std::uint32_t j = 0; j < size; ++j)
+            neighbours[first + j] = ring_neighbours(ring > 0 ? starts[ring - 1] : 0, first, size, j);
     }
     return neighbours;
 }

@@ -7,53 +7,6 @@
 namespace dfield::codec {
 namespace {
 
-// Binary range coder with carry propagation, after Schindler and the LZMA SDK (there, the first byte is
-// always 0 and kept; here it is dropped).
-class RangeEncoder {
-  public:
-    bool code(BitModel& model, bool bit) {
-        const auto bound = static_cast<std::uint32_t>(std::uint64_t{range_} * model.probability() >> 16);
-        if (bit) {
-            range_ = bound;
-        } else {
-            low_ += bound;
-            range_ -= bound;
-        }
-        while (range_ < 1u << 24) {
-            range_ <<= 8;
-            shift();
-        }
-        model.update(bit);
-        return bit;
-    }
-    static constexpr bool failed() { return false; }
-
-    std::vector<std::byte> finish() {
-        for (int i = 0; i < 5; ++i) shift();
-        return std::move(bytes_);
-    }
-
-  private:
-    void shift() {
-        if (low_ < 0xff000000u || low_ >> 32 != 0) {
-            const auto carry = static_cast<unsigned>(low_ >> 32);
-            if (started_) bytes_.push_back(static_cast<std::byte>(held_ + carry));
-            for (; pending_ > 0; --pending_) bytes_.push_back(static_cast<std::byte>(0xff + carry));
-            held_ = static_cast<std::uint8_t>(low_ >> 24);
-            started_ = true;
-        } else {
-            ++pending_;
-        }
-        low_ = (low_ & 0x00ffffff) << 8;
-    }
-
-    std::vector<std::byte> bytes_{std::byte{1}};  // the section's mode comes first
-    std::uint64_t low_ = 0, pending_ = 0;         // pending: bytes 0xff that a carry would turn
-    std::uint32_t range_ = 0xffffffff;
-    std::uint8_t held_ = 0;
-    bool started_ = false;
-};
-
 struct ResidualEncoder {
     std::int32_t miss;
     std::vector<std::vector<std::uint32_t>> streams;  // folded residuals by context
@@ -106,7 +59,8 @@ std::vector<std::byte> encode_mask(const FieldParameters& parameters, std::span<
     std::vector<std::uint8_t> work(plane.begin(), plane.end());
     code_mask(mask, position_neighbours(parameters, memory), work.data(), encoder, memory);
     std::vector<std::byte> raw = encoder.finish();
-    if (raw.size() > 1 + plane.size()) {  // noise: plain, mode 0
+    raw.insert(raw.begin(), std::byte{1});  // the section's mode
+    if (raw.size() > 1 + plane.size()) {    // noise: plain, mode 0
         raw.assign(1 + plane.size(), std::byte{0});
         std::transform(plane.begin(), plane.end(), raw.begin() + 1,
                        [](std::uint8_t byte) { return std::byte{byte}; });

@@ -11,33 +11,9 @@
 #include <vector>
 
 #include "format/codec_neighbours.hpp"
+#include "format/range_coder.hpp"
 
 namespace dfield::codec {
-
-// Probability that the next bit is 1: 24 bits of fraction above an 8 bit count of bits seen, which slows
-// adaption from 2/3 of the way to the newest bit down to 1/(kCountLimit + 1.5).
-class BitModel {
-  public:
-    // 16 bit fraction in [1, 65535].
-    std::uint32_t probability() const { return (state_ >> 16) | 1; }
-
-    void update(bool bit) {
-        const std::uint32_t count = state_ & 255;
-        const std::int64_t target = bit ? 0xffffff : 0, current = state_ >> 8;
-        const auto next = static_cast<std::uint32_t>(current + (((target - current) * kRates[count]) >> 16));
-        state_ = next << 8 | (count < kCountLimit ? count + 1 : count);
-    }
-
-  private:
-    static constexpr std::uint32_t kCountLimit = 60;
-    static constexpr std::array<std::uint32_t, kCountLimit + 1> kRates = [] {
-        std::array<std::uint32_t, kCountLimit + 1> rates{};
-        for (std::uint32_t i = 0; i <= kCountLimit; ++i)
-            rates[i] = 131072 / (2 * i + 3);  // 65536 / (i + 1.5)
-        return rates;
-    }();
-    std::uint32_t state_ = 0x80000000;
-};
 
 inline constexpr std::size_t kMaskContexts = 1 << 14;
 inline constexpr std::uint32_t kSurroundings = kMaskContexts - 2;  // all but the texel to the west

@@ -20,6 +20,22 @@ struct Neighbours {
     std::uint32_t beside = kNone;    // second nearest there
 };
 
+// Of point j of a ring of `size` points from index `first` on, whose ring before it starts at index `before`
+// (first = 0: there is none).
+constexpr Neighbours ring_neighbours(std::uint32_t before, std::uint32_t first, std::uint32_t size,
+                                     std::uint32_t j) {
+    Neighbours n;
+    if (j > 0) n.previous = first + j - 1;
+    if (first == 0) return n;
+    // Azimuth j / size of a turn is place j * count / size on the ring before; a half rounds up.
+    const std::uint32_t count = first - before;
+    const std::uint32_t nearest = (2 * j * count + size) / (2 * size);
+    const bool rounded_up = nearest * size > j * count;
+    n.above = before + nearest % count;
+    n.beside = before + (nearest + (rounded_up ? count - 1 : 1)) % count;
+    return n;
+}
+
 std::pmr::vector<Neighbours> position_neighbours(const FieldParameters& parameters,
                                                  std::pmr::memory_resource* memory);
 

@@ -23,12 +23,17 @@ struct KnownSection {
     std::string_view id;
     bool optional;
 };
-constexpr std::array<KnownSection, 6> kKnownSections = {{{layout::kField, false},
-                                                         {layout::kMask, false},
-                                                         {layout::kDistances, false},
-                                                         {layout::kMeanDepth, false},
-                                                         {layout::kSelfVisibility, true},
-                                                         {layout::kProvenance, true}}};
+constexpr auto kKnownSections = [] {
+    std::array<KnownSection, 7 + layout::kDirectionLevels.size()> sections{};
+    std::size_t count = 0;
+    const auto add = [&](std::string_view id, bool optional) { sections[count++] = {id, optional}; };
+    for (const auto id : {layout::kField, layout::kMask, layout::kDistances, layout::kMeanDepth})
+        add(id, false);
+    add(layout::kLines, true);
+    for (const auto id : layout::kDirectionLevels) add(id, true);
+    for (const auto id : {layout::kSelfVisibility, layout::kProvenance}) add(id, true);
+    return sections;
+}();
 
 // Ids may hold any bytes; messages hold only letters, digits and dots for the rest.
 std::string printable(const std::string& id) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/matrix.hpp>
 
 #include "format/codec_neighbours.hpp"
 
@@ -103,6 +104,60 @@ std::optional<ContentError> mean_depth_error(const FieldParameters& parameters,
                                 "map " + std::to_string(map) + " has no hit, but its mean depth is not 0"};
     }
     return std::nullopt;
+}
+
+std::optional<ContentError> line_table_error(const LineTable& table) {
+    const LineParameters& p = table.parameters;
+    const auto error = [](Code code, std::size_t at, const std::string& what) {
+        return ContentError{code, at, what};
+    };
+    if (const std::string wrong = line_parameters_error(p); !wrong.empty())
+        return error(Code::kParameters, layout::kLineLatticeAt, wrong);
+    for (int i = 0; i < 9; ++i)
+        if (!std::isfinite(table.to_unit[i / 3][i % 3]))
+            return error(Code::kNotFinite, layout::kLineToUnitAt + 4 * i,
+                         "the map to the unit sphere is not finite");
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(table.centre[i]))
+            return error(Code::kNotFinite, layout::kLineCentreAt + 4 * i,
+                         "the line table's centre is not finite");
+    if (!std::isnormal(glm::determinant(glm::dmat3(table.to_unit))))
+        return error(Code::kLineTransform, layout::kLineToUnitAt,
+                     "the map to the unit sphere is not invertible");
+    const auto padded = [&](std::span<const std::uint32_t> words, std::uint64_t bits) {
+        return words.size() == (bits + 31) / 32 && (bits % 32 == 0 || words.back() >> bits % 32 == 0);
+    };
+    if (!padded(table.hits, line_hit_count(p)))
+        return error(Code::kLineTable, layout::kLineHeaderBytes,
+                     "the line table's hits have other bits than its pairs of points");
+    if (!padded(table.depths, line_depth_count(p) * p.depth_bits))
+        return error(Code::kLineTable, layout::kLineHeaderBytes,
+                     "the line table's depths have other bits than its pairs of points");
+    return std::nullopt;
+}
+
+std::optional<ContentError> direction_maps_error(const DirectionMaps& maps) {
+    const DirectionParameters& p = maps.parameters;
+    if (const std::string wrong = direction_parameters_error(p); !wrong.empty())
+        return ContentError{Code::kParameters, layout::kDirectionSubdivisionAt, wrong};
+    const auto error = [](const std::string& what) {
+        return ContentError{Code::kDirectionMaps, layout::kDirectionHeaderBytes, what};
+    };
+    const std::uint64_t directions = stored_direction_count(p.subdivision),
+                        depths = directions * p.depth_size * p.depth_size;
+    if (maps.frames.size() != directions ||
+        maps.texels.size() != directions * direction_map_words(p.map_size) || maps.depths.size() != depths)
+        return error("the direction maps have other sizes than their parameters say");
+    for (const DirectionDepth& depth : maps.depths)
+        if (depth.nearest > depth.farthest && (depth.nearest != 255 || depth.farthest != 0))
+            return error("a depth of a direction map has its nearest hit behind its farthest");
+    return std::nullopt;
+}
+
+bool finer_level(const DirectionParameters& coarse, const DirectionParameters& fine) {
+    return fine.subdivision >= coarse.subdivision && fine.map_size >= coarse.map_size &&
+           (fine.subdivision > coarse.subdivision || fine.map_size > coarse.map_size ||
+            fine.depth_size > coarse.depth_size);
 }
 
 std::optional<ContentError> provenance_error(std::string_view text) {

@@ -32,6 +32,15 @@ std::optional<ContentError> mean_depth_error(const FieldParameters& parameters,
                                              std::span<const std::uint8_t> plane,
                                              std::span<const std::uint16_t> mean_depth);
 
+// Parameters, sizes, padding and the map to the unit sphere. Offsets are into section LINE.
+std::optional<ContentError> line_table_error(const LineTable& table);
+
+// Parameters, sizes and depths. Offsets are into the section.
+std::optional<ContentError> direction_maps_error(const DirectionMaps& maps);
+
+// From coarse to fine: neither subdivision nor map size falls, and one of them or the depth size rises.
+bool finer_level(const DirectionParameters& coarse, const DirectionParameters& fine);
+
 // UTF-8 without control characters but white space, from { to }, 2..kMaxProvenanceBytes. Not parsed.
 std::optional<ContentError> provenance_error(std::string_view text);
 

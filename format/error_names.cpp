@@ -60,6 +60,14 @@ std::string_view format_error_name(FormatErrorCode code) {
             return "provenance";
         case FormatErrorCode::kPayloadHash:
             return "payload-hash";
+        case FormatErrorCode::kLineTable:
+            return "line-table";
+        case FormatErrorCode::kLineTransform:
+            return "line-transform";
+        case FormatErrorCode::kDirectionMaps:
+            return "direction-maps";
+        case FormatErrorCode::kDirectionLevels:
+            return "direction-levels";
         case FormatErrorCode::kNewerMinor:
             return "newer-minor";
         case FormatErrorCode::kSkippedSection:

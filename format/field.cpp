@@ -3,11 +3,13 @@
 namespace dfield {
 
 std::uint64_t position_count(const FieldParameters& parameters) {
+    if (!has_maps(parameters)) return 0;
     const std::uint64_t n = parameters.subdivision;
     return parameters.positions == Positions::kSlater ? 4 * n * n + 2 : (2 * n + 1) * (2 * n + 2);
 }
 
 std::uint64_t paper_position_count(const FieldParameters& parameters) {
+    if (!has_maps(parameters)) return 0;
     const std::uint64_t n = parameters.subdivision;
     return parameters.positions == Positions::kSlater ? 2 * (2 * n * n + 2 * n + 1)
                                                       : position_count(parameters);
@@ -24,6 +26,10 @@ std::uint64_t texel_bytes(const FieldParameters& parameters) {
 
 std::string parameters_error(const FieldParameters& parameters) {
     const auto& [positions, subdivision, mapping, map_size, bits] = parameters;
+    if (!has_maps(parameters))
+        return parameters == kNoMaps
+                   ? std::string()
+                   : "a field without displacement maps (0 bits a texel) has other parameters";
     if (positions != Positions::kSlater && positions != Positions::kLatlong)
         return "unknown layout of positional samples " + std::to_string(static_cast<int>(positions)) +
                " (known: 0 slater, 1 latlong)";

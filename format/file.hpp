@@ -28,9 +28,22 @@ class FormatError : public std::runtime_error {
 };
 
 struct ReadLimits {
-    // An engine may lower them; kMaxTexelBytes and kMaxSelfVertices hold in any case.
+    // An engine may lower them; kMaxTexelBytes and the like hold in any case.
     std::uint64_t max_texel_bytes = kMaxTexelBytes;
     std::uint64_t max_self_vertices = kMaxSelfVertices;
+    std::uint64_t max_line_bytes = kMaxLineTableBytes;       // of the line table, in memory
+    std::uint64_t max_direction_bytes = kMaxDirectionBytes;  // of all loaded levels, in memory
+};
+
+// What of a file is loaded. What is left out is neither decompressed nor checked beyond the section table,
+// and the field is as if the file did not hold it.
+struct ReadOptions {
+    ReadLimits limits = {};
+    bool maps = true;   // displacement maps
+    bool lines = true;  // the line table
+    // Direction maps: at most so many levels of detail, the coarsest ones.
+    std::uint32_t direction_levels = kMaxDirectionLevels;
+    bool self_visibility = true;
 };
 
 // One result of validation. Errors make read_field refuse the file; warnings do not.
@@ -55,9 +68,9 @@ struct FileInfo {
     std::vector<SectionInfo> sections;
 };
 
-// Decodes a whole file. Field storage comes from `memory`. Throws FormatError; never reads outside `bytes`,
-// never allocates more than FORMAT.md's stated bound.
-DisplacementField read_field(std::span<const std::byte> bytes, const ReadLimits& limits = {},
+// Decodes a file, or what the options name of it. Field storage comes from `memory`. Throws FormatError;
+// never reads outside `bytes`, never allocates more than FORMAT.md's stated bound.
+DisplacementField read_field(std::span<const std::byte> bytes, const ReadOptions& options = {},
                              std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // Checks header and section table only (size, magic, version, checksum) and returns them. Throws FormatError.
@@ -66,8 +79,8 @@ FileInfo read_file_info(std::span<const std::byte> bytes);
 // Everything that is wrong with a file, as far as checks can go on after the first error.
 std::vector<Finding> validate_file(std::span<const std::byte> bytes, const ReadLimits& limits = {});
 
-// XXH3-128 of the parameters, bounds and uncompressed sections texels, mean depth and self visibility as 32
-// hex digits: equal for equal bakes, whatever the zstd version.
+// XXH3-128 of all that a field holds but its provenance as 32 hex digits: equal for equal bakes, whatever the
+// zstd version. Without line table and direction maps it is the hash that format version 1.0 had.
 std::string payload_hash(const DisplacementField& field);
 
 }  // namespace dfield

@@ -9,15 +9,37 @@
 namespace dfield {
 namespace {
 
-// Words are hashed as they are stored, in chunks so that nothing is allocated.
-void update_words(XXH3_state_t& state, const std::pmr::vector<std::uint16_t>& words) {
-    std::array<std::uint8_t, 4096> chunk;
-    for (std::size_t i = 0; i < words.size();) {
-        std::size_t used = 0;
-        for (; used < chunk.size() && i < words.size(); used += 2, ++i) store_le(&chunk[used], words[i]);
-        XXH3_128bits_update(&state, chunk.data(), used);
+class Hash {
+  public:
+    Hash() { XXH3_128bits_reset(&state_); }
+    void add(const void* bytes, std::size_t size) { XXH3_128bits_update(&state_, bytes, size); }
+    template<class Bytes>
+    void add_bytes(const Bytes& bytes) {
+        static_assert(sizeof(bytes[0]) == 1);
+        add(bytes.data(), bytes.size());
     }
-}
+    // Words are hashed as they are stored, in chunks so that nothing is allocated.
+    template<class Word>
+    void add_words(const std::pmr::vector<Word>& words) {
+        std::array<std::uint8_t, 4096> chunk;
+        for (std::size_t i = 0; i < words.size();) {
+            std::size_t used = 0;
+            for (; used < chunk.size() && i < words.size(); used += sizeof(Word), ++i)
+                store_le(&chunk[used], words[i]);
+            add(chunk.data(), used);
+        }
+    }
+    Digest digest() const {
+        XXH128_canonical_t canonical;
+        XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state_));
+        Digest digest;
+        for (std::size_t i = 0; i < digest.size(); ++i) digest[i] = std::byte{canonical.digest[i]};
+        return digest;
+    }
+
+  private:
+    XXH3_state_t state_;
+};
 
 }  // namespace
 
@@ -48,19 +70,72 @@ std::array<std::byte, 56> field_section_prefix(const DisplacementField& field) {
     return bytes;
 }
 
-std::array<std::byte, 16> payload_digest(const DisplacementField& field) {
-    XXH3_state_t state;
-    XXH3_128bits_reset(&state);
-    const auto prefix = field_section_prefix(field);
-    XXH3_128bits_update(&state, prefix.data(), prefix.size());
-    XXH3_128bits_update(&state, field.texels.data(), field.texels.size());
-    update_words(state, field.mean_depth);
-    update_words(state, field.self_visibility);
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state));
-    std::array<std::byte, 16> digest;
-    for (std::size_t i = 0; i < digest.size(); ++i) digest[i] = std::byte{canonical.digest[i]};
-    return digest;
+std::array<std::byte, 56> line_section_prefix(const LineTable& table) {
+    static_assert(layout::kLineHashedBytes == 56);
+    const LineParameters& p = table.parameters;
+    std::array<std::byte, layout::kLineHashedBytes> bytes{};
+    store_le(&bytes[layout::kLineLatticeAt], static_cast<std::uint16_t>(p.lattice));
+    store_le(&bytes[layout::kLineDepthLatticeAt], static_cast<std::uint16_t>(p.depth_lattice));
+    bytes[layout::kLineDepthBitsAt] = static_cast<std::byte>(p.depth_bits);
+    bytes[layout::kLineFlagsAt] = static_cast<std::byte>((p.pivot ? layout::kLinePivot : 0) |
+                                                         (p.ellipsoid ? layout::kLineEllipsoid : 0) |
+                                                         (p.filtered ? layout::kLineFiltered : 0));
+    for (int i = 0; i < 9; ++i)
+        store_float(&bytes[layout::kLineToUnitAt + 4 * i], table.to_unit[i / 3][i % 3]);
+    for (int i = 0; i < 3; ++i) store_float(&bytes[layout::kLineCentreAt + 4 * i], table.centre[i]);
+    return bytes;
+}
+
+std::array<std::byte, 8> direction_section_prefix(const DirectionMaps& maps) {
+    static_assert(layout::kDirectionHashedBytes == 8);
+    const DirectionParameters& p = maps.parameters;
+    std::array<std::byte, layout::kDirectionHashedBytes> bytes{};
+    store_le(&bytes[layout::kDirectionSubdivisionAt], static_cast<std::uint16_t>(p.subdivision));
+    bytes[layout::kDirectionMapSizeAt] = static_cast<std::byte>(p.map_size);
+    bytes[layout::kDirectionDepthSizeAt] = static_cast<std::byte>(p.depth_size);
+    return bytes;
+}
+
+Digest field_digest(const DisplacementField& field) {
+    Hash hash;
+    hash.add_bytes(field_section_prefix(field));
+    hash.add_bytes(field.texels);
+    hash.add_words(field.mean_depth);
+    hash.add_words(field.self_visibility);
+    return hash.digest();
+}
+
+Digest line_digest(const LineTable& table) {
+    Hash hash;
+    hash.add_bytes(line_section_prefix(table));
+    hash.add_words(table.hits);
+    hash.add_words(table.depths);
+    return hash.digest();
+}
+
+Digest direction_digest(const DirectionMaps& maps) {
+    static_assert(sizeof(PackedDirectionFrame) == 8 && sizeof(DirectionDepth) == 2);
+    Hash hash;
+    hash.add_bytes(direction_section_prefix(maps));
+    hash.add(maps.frames.data(), 8 * maps.frames.size());
+    hash.add_words(maps.texels);
+    hash.add(maps.depths.data(), 2 * maps.depths.size());
+    return hash.digest();
+}
+
+Digest payload_digest(const DisplacementField& field) {
+    const Digest of_field = field_digest(field);
+    if (!field.lines && field.directions.empty()) return of_field;
+    Hash hash;
+    hash.add_bytes(of_field);
+    const auto add_section = [&](std::string_view id, const Digest& digest) {
+        hash.add_bytes(id);
+        hash.add_bytes(digest);
+    };
+    if (field.lines) add_section(layout::kLines, line_digest(*field.lines));
+    for (std::size_t level = 0; level < field.directions.size(); ++level)
+        add_section(layout::kDirectionLevels.at(level), direction_digest(field.directions[level]));
+    return hash.digest();
 }
 
 std::string payload_hash(const DisplacementField& field) {

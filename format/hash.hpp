@@ -19,7 +19,19 @@ std::uint64_t header_checksum(std::span<const std::byte> bytes, std::uint32_t se
 // Bytes of section FELD before the hash; payload_hash begins with them.
 std::array<std::byte, 56> field_section_prefix(const DisplacementField& field);
 
-// payload_hash (file.hpp) in the order of its hex digits.
-std::array<std::byte, 16> payload_digest(const DisplacementField& field);
+// XXH3-128 in the order of its hex digits.
+using Digest = std::array<std::byte, 16>;
+
+// What FELD states: sphere, displacement maps, mean depths and self visibilities.
+Digest field_digest(const DisplacementField& field);
+
+// What LINE and each of DM00 to DM07 state: the header's first bytes (layout.hpp) and the content.
+std::array<std::byte, 56> line_section_prefix(const LineTable& table);
+std::array<std::byte, 8> direction_section_prefix(const DirectionMaps& maps);
+Digest line_digest(const LineTable& table);
+Digest direction_digest(const DirectionMaps& maps);
+
+// payload_hash (file.hpp).
+Digest payload_digest(const DisplacementField& field);
 
 }  // namespace dfield

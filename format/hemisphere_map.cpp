@@ -69,6 +69,17 @@ std::vector<glm::vec3> cosine_directions(std::uint32_t count) {
     return directions;
 }
 
+std::vector<glm::vec3> fibonacci_sphere(std::uint32_t count) {
+    std::vector<glm::vec3> directions;
+    directions.reserve(count);
+    const double golden = pi * (3 - std::sqrt(5.0));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double z = 1 - (2.0 * i + 1) / count, radius = std::sqrt(1 - z * z);
+        directions.emplace_back(radius * std::cos(golden * i), radius * std::sin(golden * i), z);
+    }
+    return directions;
+}
+
 std::vector<glm::vec3> polar_directions(std::uint32_t count, std::vector<float>& weights) {
     const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(count))));
     weights.clear();

@@ -32,6 +32,10 @@ std::vector<glm::vec3> map_directions(Mapping mapping, std::uint32_t map_size);
 // Malley's method.
 std::vector<glm::vec3> cosine_directions(std::uint32_t count);
 
+// `count` directions spread evenly over the whole sphere: the spherical Fibonacci points
+// z = 1 - (2i + 1) / count, azimuth i times the golden angle; in double, rounded once to float.
+std::vector<glm::vec3> fibonacci_sphere(std::uint32_t count);
+
 // `count` (a square) directions on the polar grid, as the paper's "uniform" ray sampling: even in theta and
 // phi. The weights that make them an estimate of the cosine-weighted integral are returned beside them; they
 // sum to 1.

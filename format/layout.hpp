@@ -41,6 +41,10 @@ enum class FormatErrorCode : std::uint32_t {
     kMeanDepth = 310,          // mean depth of a map without a hit is not 0
     kProvenance = 311,         // provenance is not JSON text
     kPayloadHash = 312,        // decoded, but not what was written
+    kLineTable = 313,          // line table cannot be decoded
+    kLineTransform = 314,      // map to the line table's unit sphere not invertible
+    kDirectionMaps = 315,      // direction maps cannot be decoded
+    kDirectionLevels = 316,    // levels of direction maps not from coarse to fine
     kNewerMinor = 901,         // warning: newer minor version
     kSkippedSection = 902,     // warning: unknown optional section
     kNoProvenance = 903,       // warning: no provenance
@@ -53,7 +57,7 @@ std::string_view format_error_name(FormatErrorCode code);
 namespace layout {
 
 inline constexpr std::uint16_t kVersionMajor = 1;
-inline constexpr std::uint16_t kVersionMinor = 0;
+inline constexpr std::uint16_t kVersionMinor = 1;
 
 // As PNG's: a high bit for 7-bit channels, both line ends for those who convert them, Ctrl-Z for `type`.
 inline constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'D', 'F', 'L', '\r', '\n', 0x1a, '\n'};
@@ -88,7 +92,9 @@ constexpr std::uint64_t align_section(std::uint64_t offset) {
 
 // Sections, in the order in which they must come.
 inline constexpr std::string_view kField = "FELD", kMask = "MASK", kDistances = "DIST", kMeanDepth = "MEAN",
-                                  kSelfVisibility = "SELF", kProvenance = "PROV";
+                                  kLines = "LINE", kSelfVisibility = "SELF", kProvenance = "PROV";
+inline constexpr std::array<std::string_view, 8> kDirectionLevels = {"DM00", "DM01", "DM02", "DM03",
+                                                                     "DM04", "DM05", "DM06", "DM07"};
 
 // Section FELD.
 inline constexpr std::size_t kPositionsAt = 0;     // u8
@@ -105,6 +111,37 @@ inline constexpr std::size_t kReserved32At = 52;   // u32, zero
 inline constexpr std::size_t kPayloadHashAt = 56;  // 16 bytes, big-endian as the hex digits
 inline constexpr std::size_t kFieldBytes = 72;
 static_assert(kBoundsMaxAt + 12 == kReserved32At && kPayloadHashAt + 16 == kFieldBytes);
+
+// Section LINE: this header, then the coded table.
+inline constexpr std::size_t kLineLatticeAt = 0;       // u16
+inline constexpr std::size_t kLineDepthLatticeAt = 2;  // u16
+inline constexpr std::size_t kLineDepthBitsAt = 4;     // u8
+inline constexpr std::size_t kLineFlagsAt = 5;         // u8
+inline constexpr std::size_t kLineReserved16At = 6;    // u16, zero
+inline constexpr std::size_t kLineToUnitAt = 8;        // 9 f32, column after column
+inline constexpr std::size_t kLineCentreAt = 44;       // 3 f32
+inline constexpr std::size_t kLineHashedBytes = 56;    // the content hash begins with these
+inline constexpr std::size_t kLineModeAt = 56;         // u8
+inline constexpr std::size_t kLineReservedAt = 57;     // 7 bytes, zero
+inline constexpr std::size_t kLineHashAt = 64;         // 16 bytes
+inline constexpr std::size_t kLineHeaderBytes = 80;
+inline constexpr std::uint8_t kLinePivot = 1, kLineEllipsoid = 2, kLineFiltered = 4;  // flags
+static_assert(kLineCentreAt + 12 == kLineHashedBytes && kLineHashAt + 16 == kLineHeaderBytes);
+
+// Sections DM00 to DM07: this header, then the coded maps.
+inline constexpr std::size_t kDirectionSubdivisionAt = 0;  // u16
+inline constexpr std::size_t kDirectionMapSizeAt = 2;      // u8
+inline constexpr std::size_t kDirectionDepthSizeAt = 3;    // u8
+inline constexpr std::size_t kDirectionReserved32At = 4;   // u32, zero
+inline constexpr std::size_t kDirectionHashedBytes = 8;    // the content hash begins with these
+inline constexpr std::size_t kDirectionModeAt = 8;         // u8
+inline constexpr std::size_t kDirectionReservedAt = 9;     // 7 bytes, zero
+inline constexpr std::size_t kDirectionHashAt = 16;        // 16 bytes
+inline constexpr std::size_t kDirectionHeaderBytes = 32;
+static_assert(kDirectionHashAt + 16 == kDirectionHeaderBytes);
+
+// How the content of such a section is stored.
+inline constexpr std::uint8_t kPlainMode = 0, kModelledMode = 1;
 
 }  // namespace layout
 }  // namespace dfield

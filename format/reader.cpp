@@ -8,6 +8,7 @@
 #include "format/file.hpp"
 #include "format/hash.hpp"
 #include "format/reader.hpp"
+#include "format/sections.hpp"
 
 namespace dfield {
 namespace {
@@ -19,15 +20,20 @@ constexpr const char* kBakeAgain = "; bake again";
 }  // namespace
 
 void FieldReader::read(DisplacementField& field) {
-    if (!read_field_section(field) || !check_section_set(field.parameters) ||
-        !check_raw_sizes(field.parameters))
-        return;
-    read_texels(field);
-    read_self_visibility(field);
+    if (!read_field_section(field) || !check_section_set(stored_) || !check_raw_sizes(stored_)) return;
+    if (options_.maps && has_maps(stored_)) read_texels(field);
+    if (options_.lines) read_lines(field);
+    read_directions(field);
+    if (options_.self_visibility) read_self_visibility(field);
     read_provenance(field);
-    if (report_.error_count() == 0 && payload_digest(field) != digest_)
+    if (report_.error_count() == 0 && covers_hash() && field_digest(field) != digest_)
         report_.error(Code::kPayloadHash, find_section(info_, layout::kField)->offset,
                       "the decoded field is not what was written" + std::string(kBakeAgain));
+}
+
+bool FieldReader::covers_hash() const {
+    return (options_.maps || !has_maps(stored_)) &&
+           (options_.self_visibility || find_section(info_, layout::kSelfVisibility) == nullptr);
 }
 
 // FELD says what the other sections must hold.
@@ -42,7 +48,7 @@ bool FieldReader::read_field_section(DisplacementField& field) {
     if (!raw) return false;
     const std::byte* const at = raw->data();
 
-    FieldParameters& p = field.parameters;
+    FieldParameters& p = stored_;
     p.positions = static_cast<Positions>(at[layout::kPositionsAt]);
     p.mapping = static_cast<Mapping>(at[layout::kMappingAt]);
     p.bits = std::to_integer<std::uint32_t>(at[layout::kBitsAt]);
@@ -63,11 +69,12 @@ bool FieldReader::read_field_section(DisplacementField& field) {
         report_.error(error.code, section->offset, error.message + kBakeAgain);
     if (const std::string error = parameters_error(p); !error.empty())
         return report_.error(Code::kParameters, section->offset, error);
-    if (texel_bytes(p) > limits_.max_texel_bytes)
-        return report_.error(Code::kMemoryLimit, section->offset,
-                             "the maps take " + std::to_string(texel_bytes(p)) +
-                                 " bytes, the reader's limit is " + std::to_string(limits_.max_texel_bytes) +
-                                 "; raise it or bake a smaller field");
+    field.parameters = options_.maps ? p : kNoMaps;
+    if (texel_bytes(field.parameters) > options_.limits.max_texel_bytes)
+        return report_.error(
+            Code::kMemoryLimit, section->offset,
+            "the maps take " + std::to_string(texel_bytes(p)) + " bytes, the reader's limit is " +
+                std::to_string(options_.limits.max_texel_bytes) + "; raise it or bake a smaller field");
     return true;
 }
 
@@ -83,14 +90,29 @@ bool FieldReader::check_section_set(const FieldParameters& p) {
             good = report_.error(Code::kSectionUnexpected, section->offset,
                                  "section " + std::string(id) + " is no part" + field + kBakeAgain);
     };
-    require(layout::kMask, true);
-    require(layout::kDistances, p.bits != 1);
+    require(layout::kMask, has_maps(p));
+    require(layout::kDistances, has_maps(p) && p.bits != 1);
     require(layout::kMeanDepth, p.bits == 1);
+    bool before = true;
+    for (const std::string_view id : layout::kDirectionLevels) {
+        const SectionInfo* section = find_section(info_, id);
+        if (section != nullptr && !before)
+            good = report_.error(
+                Code::kSectionMissing, section->offset,
+                "the level of direction maps before section " + std::string(id) + " is missing" + kBakeAgain);
+        before = section != nullptr;
+    }
+    if (!has_maps(p) && find_section(info_, layout::kLines) == nullptr &&
+        find_section(info_, layout::kDirectionLevels[0]) == nullptr)
+        good = report_.error(Code::kSectionMissing, layout::kHeaderBytes,
+                             "there are neither displacement maps nor a line table nor direction maps" +
+                                 std::string(kBakeAgain));
     return good;
 }
 
 bool FieldReader::check_raw_sizes(const FieldParameters& p) {
     bool good = true;
+    const ReadLimits& limits = options_.limits;
     const auto check = [&](std::string_view id, std::uint64_t smallest, std::uint64_t largest,
                            std::uint64_t step) {
         const SectionInfo* section = find_section(info_, id);
@@ -98,15 +120,26 @@ bool FieldReader::check_raw_sizes(const FieldParameters& p) {
             (section->raw_bytes < smallest || section->raw_bytes > largest || section->raw_bytes % step != 0))
             good = raw_size_error(*section, smallest, largest);
     };
-    const codec::RawSize mask = codec::mask_size(p);
-    check(layout::kMask, mask.smallest, mask.largest, 1);
-    if (p.bits != 1) {
-        const codec::RawSize distances = codec::distances_size(p);
-        check(layout::kDistances, distances.smallest, distances.largest, 1);
-    } else {
-        check(layout::kMeanDepth, 2 * position_count(p), 2 * position_count(p), 2);
+    if (options_.maps && has_maps(p)) {
+        const codec::RawSize mask = codec::mask_size(p);
+        check(layout::kMask, mask.smallest, mask.largest, 1);
+        if (p.bits != 1) {
+            const codec::RawSize distances = codec::distances_size(p);
+            check(layout::kDistances, distances.smallest, distances.largest, 1);
+        } else {
+            check(layout::kMeanDepth, 2 * position_count(p), 2 * position_count(p), 2);
+        }
     }
-    check(layout::kSelfVisibility, 2, 2 * std::min(limits_.max_self_vertices, kMaxSelfVertices), 2);
+    if (options_.lines)
+        check(layout::kLines, layout::kLineHeaderBytes,
+              layout::kLineHeaderBytes + std::min(limits.max_line_bytes, kMaxLineTableBytes), 1);
+    for (std::size_t level = 0; level < layout::kDirectionLevels.size(); ++level)
+        if (level < options_.direction_levels)
+            check(layout::kDirectionLevels[level], layout::kDirectionHeaderBytes,
+                  layout::kDirectionHeaderBytes + std::min(limits.max_direction_bytes, kMaxDirectionBytes),
+                  1);
+    if (options_.self_visibility)
+        check(layout::kSelfVisibility, 2, 2 * std::min(limits.max_self_vertices, kMaxSelfVertices), 2);
     check(layout::kProvenance, 2, kMaxProvenanceBytes, 1);
     return good;
 }
@@ -152,6 +185,44 @@ bool FieldReader::read_texels(DisplacementField& field) {
     return true;
 }
 
+template<class Decode>
+bool FieldReader::decode_section(const SectionInfo& section, const Decode& decode) {
+    const auto raw = decompress_section(bytes_, section, report_, memory_);
+    if (!raw) return false;
+    const std::optional<ContentError> error = decode(*raw);
+    return !error || report_.error(error->code, section.offset,
+                                   "section " + section.id + ": " + error->message + kBakeAgain);
+}
+
+bool FieldReader::read_lines(DisplacementField& field) {
+    const SectionInfo* section = find_section(info_, layout::kLines);
+    if (section == nullptr) return true;
+    LineTable& table = field.lines.emplace(memory_);
+    const std::uint64_t limit = std::min(options_.limits.max_line_bytes, kMaxLineTableBytes);
+    return decode_section(*section,
+                          [&](const auto& raw) { return decode_lines(raw, limit, table, memory_); });
+}
+
+bool FieldReader::read_directions(DisplacementField& field) {
+    std::uint64_t left = std::min(options_.limits.max_direction_bytes, kMaxDirectionBytes);
+    field.directions.reserve(layout::kDirectionLevels.size());
+    for (const std::string_view id : layout::kDirectionLevels) {
+        const SectionInfo* section = find_section(info_, id);
+        if (section == nullptr || field.directions.size() >= options_.direction_levels) return true;
+        DirectionMaps& maps = field.directions.emplace_back(memory_);
+        if (!decode_section(*section,
+                            [&](const auto& raw) { return decode_directions(raw, left, maps, memory_); }))
+            return false;
+        left -= maps.memory_bytes();
+        const std::size_t level = field.directions.size() - 1;
+        if (level > 0 && !finer_level(field.directions[level - 1].parameters, maps.parameters))
+            return report_.error(
+                Code::kDirectionLevels, section->offset,
+                "section " + section->id + " is no finer than the level before it" + kBakeAgain);
+    }
+    return true;
+}
+
 bool FieldReader::read_self_visibility(DisplacementField& field) {
     const SectionInfo* section = find_section(info_, layout::kSelfVisibility);
     if (section == nullptr) return true;
@@ -187,12 +258,12 @@ bool FieldReader::raw_size_error(const SectionInfo& section, std::uint64_t small
                              kBakeAgain);
 }
 
-DisplacementField read_field(std::span<const std::byte> bytes, const ReadLimits& limits,
+DisplacementField read_field(std::span<const std::byte> bytes, const ReadOptions& options,
                              std::pmr::memory_resource* memory) {
     Report report;
     const FileInfo info = read_file_info(bytes);
     DisplacementField field(memory);
-    FieldReader(bytes, info, limits, report, memory).read(field);
+    FieldReader(bytes, info, options, report, memory).read(field);
     return field;
 }
 

@@ -11,7 +11,7 @@ std::vector<Finding> validate_file(std::span<const std::byte> bytes, const ReadL
     const auto info = parse_header(bytes, report);
     if (info && check_sections(bytes, *info, report)) {
         DisplacementField field;
-        FieldReader(bytes, *info, limits, report, std::pmr::get_default_resource()).read(field);
+        FieldReader(bytes, *info, {limits}, report, std::pmr::get_default_resource()).read(field);
     }
     return findings;
 }

@@ -17,6 +17,7 @@
 #include "format/file.hpp"
 #include "format/hash.hpp"
 #include "format/layout.hpp"
+#include "format/sections.hpp"
 
 namespace dfield {
 namespace {
@@ -33,6 +34,13 @@ void require_sizes(const DisplacementField& field) {
     };
     size("texels", field.texels.size(), texel_bytes(p));
     size("mean_depth", field.mean_depth.size(), p.bits == 1 ? position_count(p) : 0);
+    std::uint64_t direction_bytes = 0;
+    for (const DirectionMaps& maps : field.directions) direction_bytes += maps.memory_bytes();
+    require(field.directions.size() <= kMaxDirectionLevels && direction_bytes <= kMaxDirectionBytes,
+            "direction maps have more than " + std::to_string(kMaxDirectionLevels) + " levels or " +
+                std::to_string(kMaxDirectionBytes) + " bytes");
+    require(has_maps(p) || field.lines || !field.directions.empty(),
+            "it has neither displacement maps nor a line table nor direction maps");
     require(field.self_visibility.size() <= kMaxSelfVertices,
             "self_visibility has more than " + std::to_string(kMaxSelfVertices) + " values");
 }
@@ -59,6 +67,17 @@ void require_texels(const DisplacementField& field) {
 
 void require_good(const std::optional<ContentError>& error) {
     if (error) require(false, error->message);
+}
+
+void require_kinds(const DisplacementField& field) {
+    if (field.lines) require_good(line_table_error(*field.lines));
+    for (std::size_t level = 0; level < field.directions.size(); ++level) {
+        require_good(direction_maps_error(field.directions[level]));
+        require(
+            level == 0 ||
+                finer_level(field.directions[level - 1].parameters, field.directions[level].parameters),
+            "level " + std::to_string(level) + " of the direction maps is no finer than the one before it");
+    }
 }
 
 struct Section {
@@ -112,21 +131,29 @@ std::vector<Section> raw_sections(const DisplacementField& field, std::span<cons
     const FieldParameters& p = field.parameters;
     std::vector<Section> sections;
     const auto prefix = field_section_prefix(field);
-    const auto digest = payload_digest(field);
+    const Digest digest = field_digest(field);
     Section head{layout::kField, 0, {prefix.begin(), prefix.end()}, {}, {}};
     head.raw.insert(head.raw.end(), digest.begin(), digest.end());
     sections.push_back(std::move(head));
-    sections.push_back({layout::kMask, 0, codec::encode_mask(p, plane), {}, {}});
+    if (has_maps(p)) sections.push_back({layout::kMask, 0, codec::encode_mask(p, plane), {}, {}});
     if (p.bits == 1) {
         sections.push_back({layout::kMeanDepth,
                             0,
                             codec::encode_mean_depth(p, field.mean_depth),
                             {field.mean_depth.size()},
                             {}});
-    } else {
+    } else if (has_maps(p)) {
         codec::EncodedDistances coded = codec::encode_distances(p, plane, field.texels);
         sections.push_back({layout::kDistances, 0, std::move(coded.raw), std::move(coded.stream_ends), {}});
     }
+    if (field.lines)
+        sections.push_back({layout::kLines, layout::kFlagOptional, encode_lines(*field.lines), {}, {}});
+    for (std::size_t level = 0; level < field.directions.size(); ++level)
+        sections.push_back({layout::kDirectionLevels[level],
+                            layout::kFlagOptional,
+                            encode_directions(field.directions[level]),
+                            {},
+                            {}});
     if (!field.self_visibility.empty())
         sections.push_back({layout::kSelfVisibility,
                             layout::kFlagOptional,
@@ -173,10 +200,14 @@ std::vector<std::byte> write_field(const DisplacementField& field, const WriteOp
     require(parameters.empty(), parameters);
     require_sizes(field);
     for (const ContentError& error : sphere_errors(field)) require(false, error.message);
-    require_texels(field);
-    const std::vector<std::uint8_t> plane = codec::plane_of_texels(field.parameters, field.texels);
-    require_good(unused_texel_error(field.parameters, plane));
-    require_good(mean_depth_error(field.parameters, plane, field.mean_depth));
+    require_kinds(field);
+    std::vector<std::uint8_t> plane;
+    if (has_maps(field.parameters)) {
+        require_texels(field);
+        plane = codec::plane_of_texels(field.parameters, field.texels);
+        require_good(unused_texel_error(field.parameters, plane));
+        require_good(mean_depth_error(field.parameters, plane, field.mean_depth));
+    }
     if (!field.provenance.empty()) require_good(provenance_error(field.provenance));
 
     std::vector<Section> sections = raw_sections(field, plane);

@@ -10,8 +10,7 @@ namespace dfield {
 
 struct WriteOptions {
     int zstd_level = 19;
-    int threads =
-        1;  // above 1 the (up to five) sections are compressed at the same time; the bytes are equal
+    int threads = 1;  // above 1 the sections are compressed at the same time; the bytes are equal
 };
 
 // Throws std::invalid_argument when the field breaks a rule of the format (sizes, ranges, NaN).

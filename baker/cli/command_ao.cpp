@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "baker/cli/commands.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/options.hpp"
+#include "baker/cli/plan_options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/runtime_scene.hpp"
 #include "baker/cli/scene_visibility.hpp"
@@ -18,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint32_t kSharedRays = 512;  // over the whole sphere: half of them face a vertex
+
 struct AoCommand {
     fs::path scene, output, image, cache;
     bool no_cache = false, no_self = false, color = false, rays = false;
@@ -26,7 +30,8 @@ struct AoCommand {
     std::vector<float> ground_plane;
     float ground = 0;
     bool has_ground = false;
-    FieldParameters field;
+    PlanOptions plan_options;
+    FieldPlan plan;
     AoOptions ao;
     CommonOptions common;
 };
@@ -93,6 +98,38 @@ void save_picture(const AoCommand& command, const ImportedScene& scene,
               render(objects, frame_bounds(bounds, towards_eye, up, 30, 960.0f / 720), options));
 }
 
+// --kind auto, what is baked, and how rays are sampled.
+void choose_kind(AoCommand& command, const CLI::App& ao) {
+    dfield_ao_desc& desc = command.ao.desc;
+    std::string& kind = command.plan_options.kind;
+    if (kind == "all") throw Error(ExitCode::kUsage, "--kind: ao needs one kind: auto, maps, lines or directions");
+    const bool distances = std::isfinite(desc.max_distance) || desc.bias > 0;
+    if (kind == "auto") {
+        bool map_flags = false;
+        for (const char* flag : {"--subdivision", "--map-size", "--mapping", "--positions", "--bits"})
+            map_flags = map_flags || ao.count(flag) > 0;
+        kind = distances || map_flags || desc.ray_count > DFIELD_MAX_SHARED_RAYS ? "maps" : "directions";
+    }
+    desc.kind = command.plan_options.forced_kind();
+    if (kind == "directions") {
+        if (ao.count("--rays") == 0) desc.ray_count = kSharedRays;
+        desc.sampling = DFIELD_SAMPLING_SHARED;
+        if (desc.ray_count > DFIELD_MAX_SHARED_RAYS)
+            throw Error(ExitCode::kUsage, text("--rays %u: direction maps share at most %u directions; take "
+                                               "--kind maps or lines",
+                                               desc.ray_count, DFIELD_MAX_SHARED_RAYS));
+    }
+    command.plan = command.plan_options.plan();
+    if (!distances) return;
+    const bool known = kind == "maps" || (kind == "lines" && command.plan.lines->depth_bits != 0) ||
+                       (kind == "directions" && command.plan.directions.back().depth_size != 0);
+    if (!known)
+        throw Error(ExitCode::kUsage, "--max-distance and --bias ask for distances: " +
+                                          (kind == "lines" ? std::string("give --line-bits 4 or 8")
+                                                           : std::string("give --direction-depth 16")) +
+                                          ", or take --kind maps");
+}
+
 void run(AoCommand& command) {
     finish_ao_options(command.ao);
     check_command(command);
@@ -104,7 +141,7 @@ void run(AoCommand& command) {
     options.method = command.method == "rays" ? Method::kRays : Method::kLookup;
     options.self = !command.no_self;
     options.ao = command.ao.desc;
-    options.field = command.field;
+    options.plan = command.plan;
     options.threads = command.common.threads;
     options.quiet = command.common.quiet;
     if (!command.no_cache) options.cache = command.cache;
@@ -133,6 +170,8 @@ void run(AoCommand& command) {
     write_json_report(target, {{"scene", command.scene.string()},
                                {"output", command.output.string()},
                                {"method", command.method},
+                               {"kind", visibility.kind},
+                               {"sampling", options.ao.sampling == DFIELD_SAMPLING_SHARED ? "shared" : "hemisphere"},
                                {"meshes", scene.meshes.size()},
                                {"instances", scene.instances.size()},
                                {"vertices", visibility.vertices},
@@ -188,7 +227,7 @@ void add_ao_command(CLI::App& app, ExitCode&) {
         ->capture_default_str()
         ->check(number_between(0, 180));
     add_ao_options(*ao, command->ao);
-    add_field_options(*ao, command->field);
+    add_plan_options(*ao, command->plan_options);
     ao->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
     ao->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_common_options(*ao, command->common, "all cores");
@@ -196,8 +235,9 @@ void add_ao_command(CLI::App& app, ExitCode&) {
         "Each distinct mesh is baked once, however many nodes use it. Occlusion by other objects is looked "
         "up; an\n"
         "object's own is ray cast once a vertex and multiplied in.");
-    ao->callback([command, ground] {
+    ao->callback([command, ao, ground] {
         command->has_ground = ground->count() > 0;
+        choose_kind(*command, *ao);
         run(*command);
     });
 }

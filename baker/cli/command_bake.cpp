@@ -3,11 +3,15 @@
 #include <map>
 
 #include "baker/bake.hpp"
+#include "baker/cli/budget.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/field_store.hpp"
+#include "baker/cli/kinds_report.hpp"
 #include "baker/cli/options.hpp"
+#include "baker/cli/plan_options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/terminal.hpp"
+#include "baker/cli/verification.hpp"
 #include "baker/file_io.hpp"
 #include "baker/parallel.hpp"
 #include "baker/provenance.hpp"
@@ -26,22 +30,29 @@ struct BakeCommand {
     std::string mesh_name, node_name;
     float crease_degrees = 180;
     bool force = false;
+    bool verify = false;
+    std::uint64_t budget = 0;  // 0: `plan` it is
+    PlanOptions plan_options;
+    FieldPlan plan;
     BakeOptions bake;
     CommonOptions common;
 };
 
-Json field_report(const DisplacementField& field, std::uint64_t file_bytes) {
+Json field_report(const DisplacementField& field, std::span<const std::byte> bytes) {
     Json json;
-    json["positions"] = position_count(field.parameters);
-    json["paper_positions"] = paper_position_count(field.parameters);
-    json["layout"] = name_of(field.parameters.positions);
-    json["subdivision"] = field.parameters.subdivision;
-    json["mapping"] = name_of(field.parameters.mapping);
-    json["map_size"] = field.parameters.map_size;
-    json["bits"] = field.parameters.bits;
+    if (has_maps(field.parameters)) {
+        json["positions"] = position_count(field.parameters);
+        json["paper_positions"] = paper_position_count(field.parameters);
+        json["layout"] = name_of(field.parameters.positions);
+        json["subdivision"] = field.parameters.subdivision;
+        json["mapping"] = name_of(field.parameters.mapping);
+        json["map_size"] = field.parameters.map_size;
+        json["bits"] = field.parameters.bits;
+    }
+    json["kinds"] = kinds_json(field, read_file_info(bytes));
     json["payload_hash"] = payload_hash(field);
-    json["field_bytes"] = field.texels.size() + 2 * field.mean_depth.size();
-    json["file_bytes"] = file_bytes;
+    json["field_bytes"] = kinds_bytes(field);
+    json["file_bytes"] = bytes.size();
     return json;
 }
 
@@ -67,6 +78,16 @@ auto naming(const fs::path& model, const Work& work) {
     }
 }
 
+BudgetChoice chosen_plan(const BakeCommand& command, const TriangleMesh& mesh) {
+    BudgetOptions options;
+    options.budget = command.budget;
+    options.kind = command.plan_options.forced_kind();
+    if (command.bake.self_visibility) options.reserved = mesh.positions.size() * sizeof(float);
+    options.threads = command.common.threads;
+    options.quiet = command.common.quiet;
+    return choose_within_budget(mesh, options);
+}
+
 // Bakes one model. In a batch an up-to-date output is left alone.
 Json bake_model(const BakeCommand& command, const fs::path& model, const fs::path& output,
                 bool skip_unchanged) {
@@ -83,25 +104,42 @@ Json bake_model(const BakeCommand& command, const fs::path& model, const fs::pat
     json["triangles"] = mesh.triangles.size();  // those traced: fewer than the file's with --mesh or --node
 
     if (skip_unchanged) {
-        if (const auto present = matching_field(output, mesh, command.bake)) {
+        const auto present = command.budget != 0
+                                 ? matching_field(output, mesh, command.bake, command.verify)
+                                 : matching_field(output, mesh, command.plan, command.bake, command.verify);
+        if (present) {
             json["status"] = "unchanged";
-            json.update(field_report(*present, fs::file_size(output)));
+            json.update(field_report(*present, read_file(output)));
             say(command.common.json, output.string() + ": unchanged");
             return json;
         }
+    }
+
+    FieldPlan plan = command.plan;
+    if (command.budget != 0) {
+        const BudgetChoice choice = naming(model, [&] { return chosen_plan(command, mesh); });
+        plan = choice.winner().plan;
+        json["budget"] = choice.json();
+        for (const std::string& line : choice.lines()) say(command.common.json, line);
     }
 
     ProgressBar progress(model.filename().string(), "ray", command.common.quiet);
     BakeOptions options = command.bake;
     options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
     BakeReport report;
-    const DisplacementField field = naming(model, [&] { return bake_field(mesh, options, &report); });
+    DisplacementField field = naming(model, [&] { return bake_plan(mesh, plan, options, &report); });
+    if (command.verify) {
+        const Json verified = verification_json(mesh, field, write_field(field, {.zstd_level = 1}),
+                                                thread_count(options.threads));
+        field.provenance = with_verification(field.provenance, verified.dump());
+        json["verified"] = verified;
+    }
     const std::vector<std::byte> bytes = write_field(field, {.threads = thread_count(options.threads)});
     if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
     write_file_atomic(output, bytes);
 
     json["status"] = "baked";
-    json.update(field_report(field, bytes.size()));
+    json.update(field_report(field, bytes));
     json["rays"] = report.rays;
     json["mrays_per_s"] = significant(static_cast<double>(report.rays) / report.trace_seconds * 1e-6);
     json["seconds"] =
@@ -111,15 +149,16 @@ Json bake_model(const BakeCommand& command, const fs::path& model, const fs::pat
     if (options.self_visibility) json["self_seconds"] = significant(report.self_seconds);
     json["threads"] = thread_count(options.threads);
     json["instruction_set"] = report.instruction_set;
-    say(command.common.json, text("%s: %zu triangles, %llu positions (paper: %llu) x %ux%u x %u bit, %sray "
-                                  "in %.2f s (%.1f Mray/s), %s -> %s",
-                                  output.string().c_str(), mesh.triangles.size(),
-                                  static_cast<unsigned long long>(position_count(field.parameters)),
-                                  static_cast<unsigned long long>(paper_position_count(field.parameters)),
-                                  field.parameters.map_size, field.parameters.map_size, field.parameters.bits,
-                                  with_prefix(static_cast<double>(report.rays)).c_str(), report.trace_seconds,
-                                  static_cast<double>(report.rays) / report.trace_seconds * 1e-6,
-                                  bytes_text(field.texels.size()).c_str(), bytes_text(bytes.size()).c_str()));
+    say(command.common.json,
+        text("%s: %zu triangles, %sray in %.2f s (%.1f Mray/s), %s -> %s", output.string().c_str(),
+             mesh.triangles.size(), with_prefix(static_cast<double>(report.rays)).c_str(),
+             report.trace_seconds, static_cast<double>(report.rays) / report.trace_seconds * 1e-6,
+             bytes_text(kinds_bytes(field)).c_str(), bytes_text(bytes.size()).c_str()));
+    for (const KindLine& line : kind_lines(field, read_file_info(bytes)))
+        say(command.common.json, "  " + line.kind + ": " + line.description);
+    if (command.verify)
+        for (const std::string& line : verification_lines(json["verified"]))
+            say(command.common.json, "  verified " + line);
     return json;
 }
 
@@ -180,7 +219,8 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
     bake->add_option("-o,--output", command->output,
                      "OUT.dfield, or a folder (DIR/) for several models: unchanged ones are skipped there")
         ->required();
-    add_field_options(*bake, command->bake.parameters);
+    add_plan_options(*bake, command->plan_options);
+    add_budget_option(*bake, command->budget);
     bake->add_option("--mesh", command->mesh_name, "glTF: bake only the mesh of this name, in its own space")
         ->group("Model");
     bake->add_option("--node", command->node_name, "glTF: bake only the node of this name and its children")
@@ -200,6 +240,10 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
         ->capture_default_str()
         ->check(CLI::Range(1, 65536))
         ->group("Model");
+    bake->add_flag(
+        "--verify", command->verify,
+        "Measure the field's error against ray casting on standard receivers, and keep the figures in "
+        "its provenance");
     bake->add_flag("--force", command->force, "Into a folder: bake unchanged models too");
     add_common_options(*bake, command->common, "all cores");
     bake->footer(
@@ -208,8 +252,12 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
     bake->callback([command, &exit_code] {
         command->bake.threads = command->common.threads;
         command->bake.cancel = &interrupted;
-        if (const std::string error = parameters_error(command->bake.parameters); !error.empty())
-            throw Error(ExitCode::kUsage, error);
+        command->plan = command->plan_options.plan();
+        command->bake.budget = command->budget;
+        command->bake.budget_kind = command->plan_options.kind;
+        if (command->budget != 0 && command->plan_options.kind == "all")
+            throw Error(ExitCode::kUsage, "--budget chooses one kind: --kind auto, maps, lines or directions");
+        for (const std::string& note : command->plan_options.notes()) say(command->common.json, note);
         const std::string output = command->output.string();
         const bool folder = command->models.size() > 1 || fs::is_directory(command->output) ||
                             (!output.empty() && (output.back() == '/' || output.back() == '\\'));

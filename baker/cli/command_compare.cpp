@@ -2,12 +2,14 @@
 #include <map>
 
 #include "baker/bake.hpp"
+#include "baker/cli/budget.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/comparison.hpp"
 #include "baker/cli/comparison_picture.hpp"
 #include "baker/cli/corner.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/options.hpp"
+#include "baker/cli/plan_options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/terminal.hpp"
 #include "baker/file_io.hpp"
@@ -26,13 +28,18 @@ struct CompareCommand {
     fs::path caster, field, image;
     std::string scene = "corner";
     std::string ray_sampling = "concentric";
-    std::uint32_t rays = 256, converged_rays = 4096;
+    std::optional<std::uint32_t> rays;  // by default kHemisphereRays, or kSharedRays for direction maps
+    std::uint32_t converged_rays = 4096;
     int repetitions = 5;
     bool no_cache = false;
+    std::uint64_t budget = 0;  // 0: the options' plan it is
     fs::path cache;
-    FieldParameters parameters;
+    PlanOptions options;
+    FieldPlan plan;
     CommonOptions common;
 };
+
+constexpr std::uint32_t kHemisphereRays = 256, kSharedRays = 512;
 
 // Everything that one comparison is made of, with the meshes it points into.
 struct Setting {
@@ -43,9 +50,8 @@ struct Setting {
     Camera camera;
 };
 
-BakeOptions bake_options(const CompareCommand& command, ProgressBar& progress) {
+BakeOptions bake_options(ProgressBar& progress) {
     BakeOptions options;
-    options.parameters = command.parameters;
     options.cancel = &interrupted;
     options.progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
     return options;
@@ -54,7 +60,8 @@ BakeOptions bake_options(const CompareCommand& command, ProgressBar& progress) {
 std::vector<std::byte> field_bytes(const CompareCommand& command, const TriangleMesh& mesh,
                                    const std::string& label) {
     ProgressBar progress("baking " + label, "ray", command.common.quiet);
-    return cached_field(mesh, bake_options(command, progress), command.no_cache ? fs::path() : command.cache)
+    return cached_field(mesh, command.plan, bake_options(progress),
+                        command.no_cache ? fs::path() : command.cache)
         .bytes;
 }
 
@@ -170,11 +177,14 @@ void print_comparison(const CompareCommand& command, const Comparison& result) {
     say(target,
         text("%zu receivers, %srays, %.0f%% of them meet a bounding sphere", result.receivers,
              with_prefix(static_cast<double>(result.rays)).c_str(), 100 * result.sphere_hit_fraction));
-    say(target, text("lookup   %8.1f Mray/s", result.lookup_mrays_per_s));
+    say(target, text("lookup   %8.1f Mray/s, %.1f ns a receiver (%s)", result.lookup_mrays_per_s,
+                     result.lookup_seconds * 1e9 / static_cast<double>(result.receivers), result.kind.c_str()));
     say(target, text("Embree   %8.1f Mray/s (%s, its fastest mode here)", result.embree_mrays_per_s,
                      result.embree_mode.c_str()));
-    say(target, text("speedup  %8.2f x; %.2f x on rays that meet a sphere", result.speedup,
-                     result.speedup_sphere_hits));
+    say(target, text("speedup  %8.2f x", result.speedup) +
+                    (result.speedup_sphere_hits > 0
+                         ? text("; %.2f x on rays that meet a sphere", result.speedup_sphere_hits)
+                         : std::string()));
     say(target, text("error    %8.2f grey RMS of 255, bias %+.2f, 95%% below %.1f, max %.1f", result.rms_grey,
                      result.bias_grey, result.percentile_95, result.max_grey));
     say(target, text("         %8.2f grey RMS against %u rays; %.2f%% of the rays disagree",
@@ -183,15 +193,36 @@ void print_comparison(const CompareCommand& command, const Comparison& result) {
                      bytes_text(result.file_bytes).c_str()));
 }
 
-void run(const CompareCommand& command) {
+// --budget: the command with the plan that was chosen for the caster, which is baked in memory.
+BudgetChoice choose_plan(CompareCommand& command) {
+    if (command.caster.empty()) throw Error(ExitCode::kUsage, "--budget needs a model to choose for: --caster MODEL");
+    BudgetOptions options;
+    options.budget = command.budget;
+    options.kind = command.options.forced_kind();
+    options.quiet = command.common.quiet;
+    BudgetChoice choice = choose_within_budget(flatten_scene(import_scene(command.caster)), options);
+    command.plan = choice.winner().plan;
+    command.options.kind = name_of(choice.winner().kind);
+    command.no_cache = true;
+    for (const std::string& line : choice.lines()) say(command.common.json, line);
+    return choice;
+}
+
+void run(CompareCommand& command) {
+    check_picture(command.image);
+    std::optional<BudgetChoice> choice;
+    if (command.budget != 0) choice = choose_plan(command);
     Setting setting;
     ComparisonInput& input = setting.input;
     input.threads = command.common.threads;
     input.repetitions = command.repetitions;
     input.converged_rays = command.converged_rays;
-    input.directions = command.ray_sampling == "polar" ? polar_directions(command.rays, input.weights)
-                                                       : cosine_directions(command.rays);
-    check_picture(command.image);
+    input.kind = command.options.forced_kind();
+    input.shared = input.kind == DFIELD_KIND_DIRECTIONS;
+    const std::uint32_t rays = command.rays.value_or(input.shared ? kSharedRays : kHemisphereRays);
+    input.directions = input.shared                       ? fibonacci_sphere(rays)
+                       : command.ray_sampling == "polar" ? polar_directions(rays, input.weights)
+                                                         : cosine_directions(rays);
     if (command.scene == "corner" || command.scene == "corner-contact") {
         if (command.caster.empty())
             throw Error(ExitCode::kUsage, "scene " + command.scene + " needs a model in it: --caster MODEL");
@@ -206,6 +237,7 @@ void run(const CompareCommand& command) {
     json["scene"] = command.scene;
     json["caster"] = command.caster.string();
     json.update(result.json());
+    if (choice) json["budget"] = choice->json();
     json["threads"] = input.threads;
     write_json_report(command.common.json, json);
 }
@@ -227,8 +259,11 @@ void add_compare_command(CLI::App& app, ExitCode&) {
     compare->add_option("--field", command->field, "The caster's .dfield; otherwise it is baked")
         ->check(CLI::ExistingFile)
         ->needs("--caster");
-    compare->add_option("--rays", command->rays, "Rays a vertex")
-        ->capture_default_str()
+    compare
+        ->add_option("--rays", command->rays,
+                     "Rays a vertex; with --kind directions the directions that all vertices share, over the "
+                     "whole sphere")
+        ->default_str("256; 512 with --kind directions")
         ->check(CLI::Range(1, 65536));
     compare
         ->add_option(
@@ -245,7 +280,9 @@ void add_compare_command(CLI::App& app, ExitCode&) {
     compare->add_option("--image", command->image, "PNG of reference, lookup and their difference x5");
     compare->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
     compare->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
-    add_field_options(*compare, command->parameters);
+    add_plan_options(*compare, command->options);
+    add_budget_option(*compare, command->budget);
+    compare->get_option("--budget")->excludes("--field");
     add_common_options(*compare, command->common, "1");
     compare->footer(
         "Errors are of visibility in grey levels, 0..255, over all receivers. Embree's side is its best: "
@@ -258,6 +295,13 @@ void add_compare_command(CLI::App& app, ExitCode&) {
             if (!command->field.empty() && compare->count(flag) > 0)
                 std::fprintf(stderr, "dfield: warning: %s is ignored: %s has its own (see dfield info)\n",
                              flag, command->field.string().c_str());
+        if (command->options.kind == "auto" && command->budget == 0) command->options.kind = "maps";
+        if (command->options.kind == "all")
+            throw Error(ExitCode::kUsage, "--kind: compare one kind at a time: maps, lines or directions");
+        if ((command->options.kind == "directions" || command->options.kind == "auto") && command->ray_sampling == "polar")
+            throw Error(ExitCode::kUsage, "--ray-sampling is for rays around a normal; direction maps share theirs");
+        command->plan = command->options.plan();
+        for (const std::string& note : command->options.notes()) std::fprintf(stderr, "dfield: %s\n", note.c_str());
         run(*command);
     });
 }

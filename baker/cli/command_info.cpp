@@ -1,7 +1,8 @@
 #include "baker/cli/commands.hpp"
-#include "baker/cli/options.hpp"
+#include "baker/cli/kinds_report.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/terminal.hpp"
+#include "baker/cli/verification.hpp"
 #include "baker/file_io.hpp"
 #include "baker/provenance.hpp"
 #include "format/file.hpp"
@@ -19,14 +20,17 @@ Json info_json(const std::string& path, const FileInfo& file, const Displacement
     json["file"] = path;
     json["version"] = text("%u.%u", file.version_major, file.version_minor);
     json["file_bytes"] = file.file_bytes;
-    json["field_bytes"] = field.texels.size() + 2 * field.mean_depth.size();
-    json["layout"] = name_of(parameters.positions);
-    json["subdivision"] = parameters.subdivision;
-    json["positions"] = position_count(parameters);
-    json["paper_positions"] = paper_position_count(parameters);
-    json["mapping"] = name_of(parameters.mapping);
-    json["map_size"] = parameters.map_size;
-    json["bits"] = parameters.bits;
+    json["field_bytes"] = kinds_bytes(field);
+    if (has_maps(parameters)) {
+        json["layout"] = name_of(parameters.positions);
+        json["subdivision"] = parameters.subdivision;
+        json["positions"] = position_count(parameters);
+        json["paper_positions"] = paper_position_count(parameters);
+        json["mapping"] = name_of(parameters.mapping);
+        json["map_size"] = parameters.map_size;
+        json["bits"] = parameters.bits;
+    }
+    json["kinds"] = kinds_json(field, file);
     json["centre"] = vector_json(field.centre);
     json["radius"] = field.radius;
     json["bounds_min"] = vector_json(field.bounds_min);
@@ -45,24 +49,22 @@ Json info_json(const std::string& path, const FileInfo& file, const Displacement
     return json;
 }
 
-void print_info(const std::string& target, const Json& json) {
+void print_info(const std::string& target, const Json& json, const std::vector<KindLine>& kinds) {
     const auto line = [&](const char* label, const std::string& value) {
         say(target, text("%-12s %s", label, value.c_str()));
     };
     line("file", json["file"].get<std::string>() + ", format " + json["version"].get<std::string>());
     line("size",
          bytes_text(json["file_bytes"]) + " on disk, " + bytes_text(json["field_bytes"]) + " decoded");
-    line("positions",
-         text("%llu %s (subdivision %u; the paper counts %llu)", json["positions"].get<unsigned long long>(),
-              json["layout"].get<std::string>().c_str(), json["subdivision"].get<unsigned>(),
-              json["paper_positions"].get<unsigned long long>()));
-    line("maps", text("%ux%u %s, %u bit", json["map_size"].get<unsigned>(), json["map_size"].get<unsigned>(),
-                      json["mapping"].get<std::string>().c_str(), json["bits"].get<unsigned>()));
+    for (const KindLine& kind : kinds) line(kind.kind.c_str(), kind.description);
     line("sphere", "centre " + json["centre"].dump() + ", radius " + json["radius"].dump());
     line("box", json["bounds_min"].dump() + " to " + json["bounds_max"].dump());
     if (json["self_vertices"] != 0)
         line("self", json["self_vertices"].dump() + " vertices with baked self-occlusion");
     line("payload", json["payload_hash"].get<std::string>());
+    if (json["provenance"].is_object() && json["provenance"].contains("verified"))
+        for (const std::string& verified : verification_lines(json["provenance"]["verified"]))
+            line("verified", verified);
     line("provenance", json["provenance"].dump());
     for (const Json& section : json["sections"])
         line("section",
@@ -89,8 +91,10 @@ void add_info_command(CLI::App& app, ExitCode&) {
     info->callback([command] {
         const std::vector<std::byte> bytes = read_file(command->file);
         try {
-            const Json json = info_json(command->file, read_file_info(bytes), read_field(bytes));
-            print_info(command->json, json);
+            const FileInfo file = read_file_info(bytes);
+            const DisplacementField field = read_field(bytes);
+            const Json json = info_json(command->file, file, field);
+            print_info(command->json, json, kind_lines(field, file));
             write_json_report(command->json, json);
         } catch (const FormatError& error) {
             throw InputError(command->file + ": " + error.what());

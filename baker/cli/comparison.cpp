@@ -38,6 +38,8 @@ class Arena {
         }
         dfield_ao_desc desc = Ao::defaults();
         desc.ray_count = static_cast<std::uint32_t>(input.directions.size());
+        desc.sampling = input.shared ? DFIELD_SAMPLING_SHARED : DFIELD_SAMPLING_HEMISPHERE;
+        desc.kind = input.kind;
         desc.directions = &input.directions.front().x;
         desc.weights = input.weights.empty() ? nullptr : input.weights.data();
         ao_ = std::make_unique<Ao>(context_.get(), desc);
@@ -63,6 +65,16 @@ class Arena {
     }
 
     const Ao& ao() const { return *ao_; }
+
+    // The kind that answers; "mixed" where fields differ.
+    std::string kind() const {
+        std::string result;
+        for (const Field& field : fields_) {
+            const std::string name = name_of(ao_->kind(field));
+            result = result.empty() || result == name ? name : "mixed";
+        }
+        return result;
+    }
 
     // Spheres of all casters but the owner, as the maps from world space to the unit sphere.
     std::vector<glm::mat4> unit_spheres(std::size_t owner) const {
@@ -98,15 +110,31 @@ class Arena {
     std::map<std::size_t, std::unique_ptr<Opponents>> opponents_;
 };
 
-std::vector<PeerRay> rays_of(const Receivers& receivers, std::size_t begin, std::size_t end,
-                             const std::vector<glm::vec3>& directions) {
-    std::vector<PeerRay> rays;
-    rays.reserve((end - begin) * directions.size());
+// Calls visit(i, r, direction, weight) for the rays of receivers [begin, end) in order: ray r of receiver i.
+template<class Visit>
+void for_rays(const ComparisonInput& input, const Receivers& receivers, std::size_t begin, std::size_t end,
+              const Visit& visit) {
+    const double even = 1.0 / static_cast<double>(input.directions.size());
     for (std::size_t i = begin; i < end; ++i) {
-        const Frame frame = frame_of_normal(receivers.normals[i]);
-        for (const glm::vec3& direction : directions)
-            rays.push_back({receivers.positions[i], frame.to_world(direction)});
+        const glm::vec3& normal = receivers.normals[i];
+        const Frame frame = frame_of_normal(normal);
+        for (std::size_t r = 0; r < input.directions.size(); ++r) {
+            const glm::vec3& w = input.directions[r];
+            if (!input.shared)
+                visit(i, r, frame.to_world(w), input.weights.empty() ? even : input.weights[r]);
+            else if (const float cosine = glm::dot(normal, w); cosine > 0)
+                visit(i, r, w, cosine);
+        }
     }
+}
+
+std::vector<PeerRay> rays_of(const ComparisonInput& input, const Receivers& receivers, std::size_t begin,
+                             std::size_t end) {
+    std::vector<PeerRay> rays;
+    rays.reserve((end - begin) * input.directions.size());
+    for_rays(input, receivers, begin, end, [&](std::size_t i, std::size_t, const glm::vec3& w, double) {
+        rays.push_back({receivers.positions[i], w});
+    });
     return rays;
 }
 
@@ -164,7 +192,7 @@ struct Totals {
 void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGroup& group, std::size_t begin,
                    std::size_t end, const EmbreeMode& mode, Comparison& result, Totals& totals) {
     Opponents& opponents = arena.without(group.owner);
-    const std::size_t count = end - begin, ray_count = input.directions.size();
+    const std::size_t count = end - begin;
     dfield_receivers receivers = group.receivers.view();
     receivers.count = count;
     receivers.positions += 3 * begin;
@@ -175,7 +203,7 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
         input.repetitions, [&] { opponents.lookup->visibility(arena.ao(), receivers, visibility.data()); });
     result.lookup.insert(result.lookup.end(), visibility.begin(), visibility.end());
 
-    const std::vector<PeerRay> rays = rays_of(group.receivers, begin, end, input.directions);
+    const std::vector<PeerRay> rays = rays_of(input, group.receivers, begin, end);
     std::vector<std::uint8_t> occluded;
     result.embree_seconds +=
         time_occluded(opponents.embree, rays, mode, input.threads, input.repetitions, occluded);
@@ -185,17 +213,20 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
     const std::size_t words = dfield_ao_get_mask_words(arena.ao().get());
     std::vector<std::uint32_t> masks(count * words);
     opponents.lookup->visibility_mask(arena.ao(), receivers, masks.data());
-    for (std::size_t i = 0; i < count; ++i) {
-        double blocked = 0;
-        for (std::size_t r = 0; r < ray_count; ++r) {
-            const bool hit = occluded[i * ray_count + r] != 0;
-            const bool looked_up = masks[i * words + (r >> 5)] >> (r & 31) & 1;
-            totals.disagreeing += hit != looked_up;
-            if (hit)
-                blocked += input.weights.empty() ? 1.0 / static_cast<double>(ray_count) : input.weights[r];
-        }
-        result.reference.push_back(static_cast<float>(std::clamp(1 - blocked, 0.0, 1.0)));
-    }
+    std::vector<double> blocked(count), whole(count);
+    std::size_t ray = 0;
+    for_rays(input, group.receivers, begin, end,
+             [&](std::size_t i, std::size_t r, const glm::vec3&, double weight) {
+                 const bool hit = occluded[ray++] != 0;
+                 const bool looked_up = masks[(i - begin) * words + (r >> 5)] >> (r & 31) & 1;
+                 totals.disagreeing += hit != looked_up;
+                 if (hit) blocked[i - begin] += weight;
+                 whole[i - begin] += weight;
+             });
+    for (std::size_t i = 0; i < count; ++i)
+        result.reference.push_back(
+            static_cast<float>(std::clamp(1 - (whole[i] > 0 ? blocked[i] / whole[i] : 0), 0.0, 1.0)));
+    result.rays += rays.size();
 
     std::vector<PeerRay> meeting;
     const std::vector<glm::mat4> spheres = arena.unit_spheres(group.owner);
@@ -204,7 +235,7 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
                            [&](const glm::mat4& to_unit) { return meets_unit_sphere(to_unit, ray); });
     });
     totals.sphere_rays += meeting.size();
-    if (meeting.empty()) return;
+    if (meeting.empty() || input.shared) return;  // single rays are no question for direction maps
     totals.embree_sphere_seconds +=
         time_occluded(opponents.embree, meeting, mode, input.threads, input.repetitions, occluded);
     std::vector<std::uint8_t> answers(meeting.size());
@@ -286,14 +317,15 @@ Comparison compare(const ComparisonInput& given) {
             const std::size_t end = std::min(begin + chunk, group.receivers.size());
             if (result.embree_mode.empty())
                 mode =
-                    choose_mode(peer, rays_of(group.receivers, begin, end, input.directions), input, result);
+                    choose_mode(peer, rays_of(input, group.receivers, begin, end), input, result);
             compare_chunk(input, arena, group, begin, end, mode, result, totals);
         }
         converged.add(peer, group.receivers, result.lookup.data() + first, receivers, many);
     }
 
     result.receivers = result.lookup.size();
-    result.rays = result.receivers * ray_count;
+    result.kind = arena.kind();
+    result.rays_per_receiver = ray_count;
     const auto all = static_cast<double>(result.rays);
     set_errors(result);
     result.rms_grey_converged = converged.rms();
@@ -303,13 +335,15 @@ Comparison compare(const ComparisonInput& given) {
     result.embree_mrays_per_s = all / result.embree_seconds * 1e-6;
     result.speedup = result.embree_seconds / result.lookup_seconds;
     result.speedup_sphere_hits =
-        totals.sphere_rays ? totals.embree_sphere_seconds / totals.lookup_sphere_seconds : 0;
+        totals.lookup_sphere_seconds > 0 ? totals.embree_sphere_seconds / totals.lookup_sphere_seconds : 0;
     return result;
 }
 
 Json Comparison::json() const {
     Json json;
+    json["kind"] = kind;
     json["rays"] = rays;
+    json["rays_per_receiver"] = rays_per_receiver;
     json["receivers"] = receivers;
     json["rms_grey"] = significant(rms_grey);
     json["bias_grey"] = significant(bias_grey);
@@ -323,6 +357,7 @@ Json Comparison::json() const {
     json["sphere_hit_fraction"] = significant(sphere_hit_fraction);
     json["lookup_seconds"] = significant(lookup_seconds);
     json["embree_seconds"] = significant(embree_seconds);
+    json["ns_per_receiver"] = significant(lookup_seconds * 1e9 / static_cast<double>(receivers));
     json["lookup_mrays_per_s"] = significant(lookup_mrays_per_s);
     json["embree_mrays_per_s"] = significant(embree_mrays_per_s);
     json["embree_mode"] = embree_mode;
@@ -330,7 +365,7 @@ Json Comparison::json() const {
     for (const auto& [name, rate] : embree_modes) modes[name] = significant(rate);
     json["embree_modes_mrays_per_s"] = modes;
     json["speedup"] = significant(speedup);
-    json["speedup_sphere_hits"] = significant(speedup_sphere_hits);
+    if (speedup_sphere_hits > 0) json["speedup_sphere_hits"] = significant(speedup_sphere_hits);
     json["field_bytes"] = field_bytes;
     json["file_bytes"] = file_bytes;
     return json;

@@ -30,15 +30,20 @@ struct ComparisonInput {
     std::vector<std::vector<std::byte>> fields;  // .dfield bytes of each distinct mesh
     std::vector<ComparisonCaster> casters;
     std::vector<ReceiverGroup> groups;
-    std::vector<glm::vec3> directions;  // around +z
-    std::vector<float> weights;         // empty: even
+    // Around +z and each receiver's normal; or shared by all receivers, in world space, each then of weight
+    // max(0, n.w) and a pair with the receivers that face it only.
+    std::vector<glm::vec3> directions;
+    bool shared = false;
+    std::vector<float> weights;             // of directions around +z; empty: even
+    dfield_kind kind = DFIELD_KIND_AUTO;    // that the lookup is forced to
     std::uint32_t converged_rays = 4096;
     int threads = 1;
     int repetitions = 5;  // the fastest of them counts, on both sides
 };
 
 struct Comparison {
-    std::size_t receivers = 0, rays = 0;
+    std::string kind;  // that the lookup used: maps, lines or directions
+    std::size_t receivers = 0, rays = 0, rays_per_receiver = 0;
     // Visibility by lookup minus by ray casting, times 255.
     double rms_grey = 0, bias_grey = 0, max_grey = 0, rms_grey_converged = 0;
     double percentile_50 = 0, percentile_90 = 0, percentile_95 = 0,

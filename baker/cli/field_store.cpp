@@ -14,13 +14,16 @@
 namespace dfield::cli {
 namespace {
 
+// provenance(field): what the field's must be but for figures of verification, which `verified` wants.
+template<class Provenance>
 std::optional<DisplacementField> field_with_provenance(const std::filesystem::path& path,
-                                                       const std::string& provenance) {
+                                                       const Provenance& provenance, bool verified) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return {};
     try {
         DisplacementField field = read_field(read_file(path));
-        if (field.provenance == provenance) return field;
+        const std::string parameters = without_verification(field.provenance);
+        if (parameters == provenance(field) && (!verified || field.provenance != parameters)) return field;
     } catch (const std::exception&) {
         // Unreadable or broken: bake again.
     }
@@ -30,8 +33,18 @@ std::optional<DisplacementField> field_with_provenance(const std::filesystem::pa
 }  // namespace
 
 std::optional<DisplacementField> matching_field(const std::filesystem::path& path, const TriangleMesh& mesh,
-                                                const BakeOptions& options) {
-    return field_with_provenance(path, provenance_json(mesh, options, bake_instruction_set()));
+                                                const FieldPlan& plan, const BakeOptions& options,
+                                                bool verified) {
+    const std::string provenance = provenance_json(mesh, plan, options, bake_instruction_set());
+    return field_with_provenance(path, [&](const DisplacementField&) { return provenance; }, verified);
+}
+
+std::optional<DisplacementField> matching_field(const std::filesystem::path& path, const TriangleMesh& mesh,
+                                                const BakeOptions& options, bool verified) {
+    const auto provenance = [&](const DisplacementField& field) {
+        return provenance_json(mesh, plan_of(field), options, bake_instruction_set());
+    };
+    return field_with_provenance(path, provenance, verified);
 }
 
 std::filesystem::path default_cache_folder() {
@@ -48,18 +61,18 @@ std::filesystem::path default_cache_folder() {
     return {};
 }
 
-BakedField cached_field(const TriangleMesh& mesh, const BakeOptions& options,
+BakedField cached_field(const TriangleMesh& mesh, const FieldPlan& plan, const BakeOptions& options,
                         const std::filesystem::path& cache) {
     BakedField result;
-    const std::string provenance = provenance_json(mesh, options, bake_instruction_set());
+    const std::string provenance = provenance_json(mesh, plan, options, bake_instruction_set());
     const std::filesystem::path path = cache.empty() ? cache : cache / (hash_hex(provenance) + ".dfield");
-    if (!path.empty() && field_with_provenance(path, provenance)) {
+    if (!path.empty() && matching_field(path, mesh, plan, options)) {
         result.bytes = read_file(path);
         result.from_cache = true;
         return result;
     }
-    result.bytes =
-        write_field(bake_field(mesh, options, &result.report), {.threads = thread_count(options.threads)});
+    result.bytes = write_field(bake_plan(mesh, plan, options, &result.report),
+                               {.threads = thread_count(options.threads)});
     if (!path.empty()) {
         std::error_code error;
         std::filesystem::create_directories(cache, error);

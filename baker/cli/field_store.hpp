@@ -7,13 +7,20 @@
 #include <optional>
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/plan.hpp"
 
 namespace dfield::cli {
 
-// The field in `path` when it is valid and was baked from this mesh with these parameters by this version.
+// The field in `path` when it is valid and was baked from this mesh to this plan by this version, and
+// measured
+// (`bake --verify`) where `verified`.
 std::optional<DisplacementField> matching_field(const std::filesystem::path& path, const TriangleMesh& mesh,
-                                                const BakeOptions& options);
+                                                const FieldPlan& plan, const BakeOptions& options,
+                                                bool verified = false);
+
+// The same where options.budget chose the plan: to whatever plan the field has.
+std::optional<DisplacementField> matching_field(const std::filesystem::path& path, const TriangleMesh& mesh,
+                                                const BakeOptions& options, bool verified = false);
 
 // Where fields are kept between runs: $DFIELD_CACHE, $XDG_CACHE_HOME/dfield, ~/.cache/dfield
 // (%LOCALAPPDATA%\dfield on Windows), whichever is set first; empty when none is.
@@ -25,9 +32,9 @@ struct BakedField {
     BakeReport report;  // zeros when from the cache
 };
 
-// The mesh's field, from the cache folder where it lies there, otherwise baked and put there. An empty folder
-// means no cache. A cache that cannot be written is no error.
-BakedField cached_field(const TriangleMesh& mesh, const BakeOptions& options,
+// The mesh's field after the plan, from the cache folder where it lies there, otherwise baked and put there.
+// An empty folder means no cache. A cache that cannot be written is no error.
+BakedField cached_field(const TriangleMesh& mesh, const FieldPlan& plan, const BakeOptions& options,
                         const std::filesystem::path& cache);
 
 }  // namespace dfield::cli

@@ -1,5 +1,6 @@
 #include "baker/cli/runtime_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -12,7 +13,7 @@ namespace {
 void run_parallel(void* user, std::size_t count, void (*body)(void*, std::size_t, std::size_t), void* data) {
     const int threads = *static_cast<const int*>(user);
     if (threads == 1) return body(data, 0, count);
-    parallel_ranges(threads, count, 256, [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
+    parallel_ranges(threads, count, std::max<std::size_t>(256, count / (8 * static_cast<std::size_t>(threads))), [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
 }
 
 Context make_context(int* threads) {
@@ -27,6 +28,19 @@ Context make_context(int* threads) {
 
 ThreadedContext::ThreadedContext(int threads)
     : threads_(std::make_unique<int>(thread_count(threads))), context_(make_context(threads_.get())) {}
+
+const char* name_of(dfield_kind kind) {
+    switch (kind) {
+        case DFIELD_KIND_MAPS:
+            return "maps";
+        case DFIELD_KIND_LINES:
+            return "lines";
+        case DFIELD_KIND_DIRECTIONS:
+            return "directions";
+        default:
+            return "auto";
+    }
+}
 
 dfield_receivers Receivers::view(std::span<const dfield_instance> owners) const {
     dfield_receivers view{};

@@ -24,6 +24,9 @@ class ThreadedContext {
     Context context_;
 };
 
+// "maps", "lines" or "directions", as --kind and reports spell it.
+const char* name_of(dfield_kind kind);
+
 // Points with normals where occlusion is asked for, world space.
 struct Receivers {
     std::vector<glm::vec3> positions, normals;

@@ -11,6 +11,7 @@
 #include "baker/bounding_sphere.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/runtime_scene.hpp"
+#include "baker/cli/self_masks.hpp"
 #include "baker/cli/terminal.hpp"
 #include "baker/error.hpp"
 #include "baker/ray_visibility.hpp"
@@ -63,15 +64,8 @@ class Job {
         if (!options_.ground.empty()) lookup.set_ground(options_.ground.data());
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
             check_interrupt();
-            const std::vector<float> self = options_.self ? self_of(i) : std::vector<float>();
-            const auto start = Clock::now();
-            const std::vector<dfield_instance> owners(receivers_[i].size(), ids_[i]);
-            dfield_receivers view = receivers_[i].view(owners);
-            view.self_visibility = self.empty() ? nullptr : self.data();
-            std::vector<float> values(receivers_[i].size(), 1.0f);
-            if (!values.empty()) lookup.visibility(ao_, view, values.data());
-            result_.visibility_seconds += seconds_since(start);
-            result_.values.push_back(std::move(values));
+            result_.values.push_back(unites_masks() ? united_visibility(lookup, i)
+                                                    : multiplied_visibility(lookup, i));
         }
         return finish();
     }
@@ -97,14 +91,66 @@ class Job {
         return cli::casts(mesh_of(instance), scene_.instances[instance].transform);
     }
 
+    // Masks of the same rays, of the object itself and of the others, unite exactly.
+    bool unites_masks() const {
+        return options_.self && shared() && options_.ao.falloff == DFIELD_FALLOFF_NONE && self_is_unbounded();
+    }
+
+    bool shared() const { return options_.ao.sampling == DFIELD_SAMPLING_SHARED; }
+
+    // Neither distances nor even scale change what an object hides of itself.
+    bool self_is_unbounded() const {
+        return !std::isfinite(options_.ao.max_distance) && options_.ao.bias == 0;
+    }
+
+    std::vector<float> united_visibility(const dfield::Scene& lookup, std::size_t i) {
+        const Receivers& receivers = receivers_[i];
+        std::vector<float> values(receivers.size(), 1.0f);
+        if (values.empty()) return values;
+        auto start = Clock::now();
+        std::vector<std::uint32_t> self;
+        if (casts(i)) self = self_masks_of(i);
+        result_.self_seconds += seconds_since(start);
+
+        start = Clock::now();
+        const std::vector<dfield_instance> owners(receivers.size(), ids_[i]);
+        std::vector<std::uint32_t> masks(receivers.size() * ao_.mask_words());
+        lookup.visibility_mask(ao_, receivers.view(owners), masks.data());
+        for (std::size_t word = 0; word < self.size(); ++word) masks[word] |= self[word];
+        ao_.gather(receivers.view(), masks.data(), nullptr, values.data());
+        result_.visibility_seconds += seconds_since(start);
+        return values;
+    }
+
+    std::vector<float> multiplied_visibility(const dfield::Scene& lookup, std::size_t i) {
+        const std::vector<float> self = options_.self ? self_of(i) : std::vector<float>();
+        const auto start = Clock::now();
+        const std::vector<dfield_instance> owners(receivers_[i].size(), ids_[i]);
+        dfield_receivers view = receivers_[i].view(owners);
+        view.self_visibility = self.empty() ? nullptr : self.data();
+        std::vector<float> values(receivers_[i].size(), 1.0f);
+        if (!values.empty()) lookup.visibility(ao_, view, values.data());
+        result_.visibility_seconds += seconds_since(start);
+        return values;
+    }
+
+    std::vector<std::uint32_t> self_masks_of(std::size_t i) {
+        const SceneInstance& instance = scene_.instances[i];
+        auto& masks = self_masks_[instance.mesh];
+        if (!masks) {
+            const auto uses = std::count_if(scene_.instances.begin(), scene_.instances.end(),
+                                            [&](const SceneInstance& other) { return other.mesh == instance.mesh; });
+            masks = std::make_unique<SelfMasks>(mesh_of(i), static_cast<std::size_t>(uses), options_.threads);
+        }
+        return masks->of_instance(instance.transform, directions_);
+    }
+
     const TriangleMesh& mesh_of(std::size_t instance) const {
         return scene_.meshes[scene_.instances[instance].mesh].mesh;
     }
 
     // Self-occlusion is baked with the field where neither distances nor the transform change it.
-    bool self_in_field() const {
-        return options_.self && !std::isfinite(options_.ao.max_distance) && options_.ao.bias == 0;
-    }
+    bool self_in_field() const { return options_.self && !shared() && self_is_unbounded(); }
 
     void add_casters(dfield::Scene& lookup) {
         ids_.assign(scene_.instances.size(), DFIELD_NO_INSTANCE);
@@ -125,18 +171,18 @@ class Job {
             "baking " + (mesh.name.empty() ? "mesh " + std::to_string(mesh_index) : mesh.name), "ray",
             options_.quiet);
         BakeOptions bake;
-        bake.parameters = options_.field;
         bake.threads = options_.threads;
         bake.self_visibility = self_in_field();
         bake.self_rays = options_.ao.ray_count;
         bake.cancel = &interrupted;
         bake.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
         const auto start = Clock::now();
-        const BakedField baked = cached_field(mesh.mesh, bake, options_.cache);
+        const BakedField baked = cached_field(mesh.mesh, options_.plan, bake, options_.cache);
         result_.bake_seconds += seconds_since(start);
         ++(baked.from_cache ? result_.from_cache : result_.baked);
         Field field = Field::load(context_.get(), baked.bytes.data(), baked.bytes.size());
         result_.field_bytes += field.info().memory_bytes;
+        result_.kind = name_of(ao_.kind(field));
         return field;
     }
 
@@ -176,6 +222,7 @@ class Job {
     RayVisibilityOptions ray_options() const {
         RayVisibilityOptions rays;
         rays.directions = directions_;
+        rays.shared = shared();
         rays.cancel = &interrupted;
         rays.near_distance = options_.ao.bias;
         rays.max_distance = options_.ao.max_distance;
@@ -202,6 +249,7 @@ class Job {
     std::vector<Receivers> receivers_;
     std::map<std::uint32_t, Field> fields_;
     std::map<std::uint32_t, std::unique_ptr<EmbreeScene>> objects_;
+    std::map<std::uint32_t, std::unique_ptr<SelfMasks>> self_masks_;
     std::vector<dfield_instance> ids_;
     SceneVisibility result_;
 };

@@ -1,15 +1,19 @@
 #include "ao.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 #include "format/frame.hpp"
 #include "format/hemisphere_map.hpp"
+#include "desc.hpp"
 #include "status.hpp"
 
 dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
     : Shared(context),
       ray_count(desc.ray_count),
+      sampling(static_cast<dfield_sampling>(desc.sampling)),
+      kind(static_cast<dfield_kind>(desc.kind)),
       falloff(static_cast<dfield_falloff>(desc.falloff)),
       max_distance(desc.max_distance),
       unbounded(desc.max_distance == std::numeric_limits<float>::infinity()),
@@ -18,7 +22,9 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
       y(context),
       z(context),
       weights(context),
+      gather_weights(context),
       directions(context),
+      shared(context),
       even_weight_(1 / static_cast<float>(desc.ray_count)),
       rate_(desc.falloff_rate),
       exponential_end_(std::exp(-desc.falloff_rate)),
@@ -28,7 +34,9 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
         directions.assign(desc.directions, desc.directions + 3 * ray_count);
         if (desc.weights) weights.assign(desc.weights, desc.weights + ray_count);
     } else {
-        for (const glm::vec3& w : dfield::cosine_directions(desc.ray_count))
+        for (const glm::vec3& w : sampling == DFIELD_SAMPLING_SHARED
+                                      ? dfield::fibonacci_sphere(desc.ray_count)
+                                      : dfield::cosine_directions(desc.ray_count))
             directions.insert(directions.end(), {w.x, w.y, w.z});
     }
     for (std::size_t r = 0; r < ray_count; ++r) {
@@ -36,6 +44,16 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
         y.push_back(directions[3 * r + 1]);
         z.push_back(directions[3 * r + 2]);
     }
+    if (sampling == DFIELD_SAMPLING_SHARED) {
+        std::vector<glm::vec3> all;
+        for (std::size_t r = 0; r < ray_count; ++r) all.emplace_back(x[r], y[r], z[r]);
+        shared.build(all, weights);
+    }
+    // Whole mask words, so that sums over a mask need no remainder.
+    for (std::pmr::vector<float>* axis : {&x, &y, &z}) axis->resize(32 * mask_words(), 0);
+    gather_weights.resize(32 * mask_words(), 0);
+    for (std::size_t r = 0; r < ray_count; ++r)
+        gather_weights[r] = sampling == DFIELD_SAMPLING_SHARED && weights.empty() ? 1 : weight(r);
     if (falloff == DFIELD_FALLOFF_TABLE)
         table_.assign(desc.falloff_table, desc.falloff_table + desc.falloff_table_size);
 }
@@ -64,21 +82,24 @@ float dfield_ao::occlusion(float distance) const {
 
 namespace {
 
+using dfield::runtime::require;
+
 // Directions and weights as the header asks for, to the accuracy of floats.
 void require_directions(const dfield_ao_desc& desc) {
-    using dfield::runtime::require;
+    const bool shared = desc.sampling == DFIELD_SAMPLING_SHARED;
     double sum = 0;
     for (std::size_t r = 0; r < desc.ray_count; ++r) {
         const float* w = desc.directions + 3 * r;
         const float square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-        require(std::fabs(square - 1) < 1e-3f && w[2] >= 0,
+        require(std::fabs(square - 1) < 1e-3f && (shared || w[2] >= 0),
                 "dfield_ao_create: a direction is not unit or lies below the horizon (z < 0)");
         if (!desc.weights) continue;
-        require(desc.weights[r] >= 0 && desc.weights[r] <= 1.001f,
-                "dfield_ao_create: a weight is outside 0..1");
+        require(desc.weights[r] >= 0 && (shared ? desc.weights[r] <= 1e6f : desc.weights[r] <= 1.001f),
+                "dfield_ao_create: a weight is outside 0..1 (shared sampling: 0..1e6)");
         sum += desc.weights[r];
     }
-    require(!desc.weights || std::fabs(sum - 1) < 1e-3, "dfield_ao_create: the weights do not sum to 1");
+    require(!desc.weights || shared || std::fabs(sum - 1) < 1e-3,
+            "dfield_ao_create: the weights do not sum to 1");
 }
 
 }  // namespace
@@ -95,13 +116,19 @@ void dfield_ao_desc_init(dfield_ao_desc* desc) {
     desc->falloff_rate = 3;
 }
 
-dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* desc, dfield_ao** ao) {
-    using dfield::runtime::require;
+dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* given, dfield_ao** ao) {
     return dfield::runtime::guarded([&] {
-        require(context && desc && ao, "dfield_ao_create: context, desc or ao is null");
-        require(desc->struct_size == sizeof(dfield_ao_desc),
-                "dfield_ao_create: desc->struct_size is not sizeof(dfield_ao_desc); call dfield_ao_desc_init "
-                "first");
+        require(context && given && ao, "dfield_ao_create: context, desc or ao is null");
+        // Version 0.1 ended before `sampling`, where 64-bit machines had four bytes of padding.
+        constexpr std::size_t kUsed01 = offsetof(dfield_ao_desc, sampling), kAlign = alignof(dfield_ao_desc);
+        const dfield_ao_desc copy = dfield::runtime::read_desc(
+            given, {{(kUsed01 + kAlign - 1) / kAlign * kAlign, kUsed01}},
+            "dfield_ao_create: desc->struct_size is of no known version; call dfield_ao_desc_init first");
+        const dfield_ao_desc* const desc = &copy;
+        require(desc->sampling <= DFIELD_SAMPLING_SHARED, "dfield_ao_create: unknown sampling");
+        require(desc->kind <= DFIELD_KIND_DIRECTIONS, "dfield_ao_create: unknown kind");
+        require(desc->sampling == DFIELD_SAMPLING_HEMISPHERE || desc->ray_count <= DFIELD_MAX_SHARED_RAYS,
+                "dfield_ao_create: shared sampling takes at most DFIELD_MAX_SHARED_RAYS rays");
         require(desc->ray_count >= 1 && desc->ray_count <= 65536,
                 "dfield_ao_create: ray_count is outside 1..65536");
         require(desc->falloff <= DFIELD_FALLOFF_TABLE, "dfield_ao_create: unknown falloff");
@@ -132,6 +159,10 @@ void dfield_ao_release(dfield_ao* ao) {
 
 const float* dfield_ao_get_directions(const dfield_ao* ao) {
     return ao ? ao->directions.data() : nullptr;
+}
+
+size_t dfield_ao_get_mask_words(const dfield_ao* ao) {
+    return ao ? ao->mask_words() : 0;
 }
 
 float dfield_ao_get_occlusion(const dfield_ao* ao, float distance) {

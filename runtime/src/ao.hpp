@@ -5,7 +5,19 @@
 #include <memory_resource>
 #include <vector>
 
+#include "batch/shared_directions.hpp"
 #include "context.hpp"
+
+namespace dfield::runtime {
+
+// Directions and weights of rays, 32 a mask word; rays that fill the last word have weight 0.
+struct GatherRays {
+    const float *x, *y, *z, *weight;
+    std::size_t words;
+    bool cosine;  // weights are to be multiplied by max(0, n.w)
+};
+
+}  // namespace dfield::runtime
 
 struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     dfield_ao(dfield_context* context, const dfield_ao_desc& desc);
@@ -17,17 +29,30 @@ struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     // Weight of ray r in the integral.
     float weight(std::size_t r) const { return weights.empty() ? even_weight_ : weights[r]; }
 
+    // The weight of every ray is weight(0), whatever the receiver.
+    bool even() const { return sampling == DFIELD_SAMPLING_HEMISPHERE && weights.empty(); }
+
+    std::size_t mask_words() const { return (ray_count + 31) / 32; }
+
     // Only whether a ray hits matters, not where.
     bool any_hit() const { return unbounded && falloff == DFIELD_FALLOFF_NONE; }
 
     std::size_t ray_count;
+    dfield_sampling sampling;
+    dfield_kind kind;  // that queries are forced to, or DFIELD_KIND_AUTO
     dfield_falloff falloff;
     float max_distance;  // +infinity when unbounded
     bool unbounded;
     float bias;
-    std::pmr::vector<float> x, y, z;     // directions around +z, one array an axis
+    dfield::runtime::GatherRays gather_rays() const {
+        return {x.data(), y.data(), z.data(), gather_weights.data(), mask_words(),
+                sampling == DFIELD_SAMPLING_SHARED};
+    }
+    std::pmr::vector<float> x, y, z;     // directions, one array an axis: around +z, or world
     std::pmr::vector<float> weights;     // empty: even
+    std::pmr::vector<float> gather_weights;  // of all rays, 0 for those that fill the last mask word; x, y, z alike
     std::pmr::vector<float> directions;  // the same, interleaved, for the caller
+    dfield::runtime::SharedDirections shared;  // the same for batches; empty unless sampling is shared
 
   private:
     float even_weight_;

@@ -1,8 +1,10 @@
 #include "context.hpp"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
+#include "desc.hpp"
 #include "status.hpp"
 
 void* dfield_context::do_allocate(std::size_t size, std::size_t alignment) {
@@ -38,13 +40,14 @@ dfield_status dfield_context_create(const dfield_context_desc* desc, dfield_cont
         require(context, "dfield_context_create: context is null");
         dfield_context_desc hooks{};
         if (desc) {
-            require(desc->struct_size == sizeof(dfield_context_desc),
-                    "dfield_context_create: desc->struct_size is not sizeof(dfield_context_desc); header and "
-                    "library "
-                    "are of different versions, or the field was not set");
-            require(!desc->allocate == !desc->deallocate,
+            constexpr std::size_t kSize01 = offsetof(dfield_context_desc, log);
+            hooks = dfield::runtime::read_desc(
+                desc, {{kSize01, kSize01}},
+                "dfield_context_create: desc->struct_size is of no known version; header and library are of "
+                "different versions, or the field was not set");
+            require(!hooks.allocate == !hooks.deallocate,
                     "dfield_context_create: set both allocate and deallocate, or neither");
-            hooks = *desc;
+            require(hooks.simd <= DFIELD_SIMD_NEON, "dfield_context_create: unknown simd level");
         }
         void* memory = hooks.allocate
                            ? hooks.allocate(hooks.user, sizeof(dfield_context), alignof(dfield_context))
@@ -53,6 +56,16 @@ dfield_status dfield_context_create(const dfield_context_desc* desc, dfield_cont
         if (!memory) throw std::bad_alloc();
         *context = new (memory) dfield_context(hooks);
     });
+}
+
+dfield_simd dfield_context_get_simd(const dfield_context* context) {
+    if (!context) return DFIELD_SIMD_SCALAR;
+    const std::int64_t compiled = context->simd_targets & HWY_TARGETS;
+    const std::int64_t best = compiled & -compiled;  // lower bits are better targets
+    if (best == HWY_AVX3 || best == HWY_AVX3_DL) return DFIELD_SIMD_AVX512;
+    if (best == HWY_AVX2) return DFIELD_SIMD_AVX2;
+    if (best == HWY_SSE4) return DFIELD_SIMD_SSE4;
+    return best == HWY_NEON ? DFIELD_SIMD_NEON : DFIELD_SIMD_SCALAR;
 }
 
 void dfield_context_release(dfield_context* context) {

@@ -4,14 +4,18 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory_resource>
 #include <utility>
 
 #include "dfield/dfield.h"
+#include "simd.hpp"
 
 // Opaque handles derive from this; the last release destroys the object through its context's memory.
 struct dfield_context final : std::pmr::memory_resource {
-    explicit dfield_context(const dfield_context_desc& desc) : hooks(desc) {}
+    explicit dfield_context(const dfield_context_desc& desc)
+        : hooks(desc),
+          simd_targets(dfield::runtime::allowed_targets(static_cast<dfield_simd>(desc.simd))) {}
 
     // Calls body(begin, end) over disjoint ranges that cover [0, count).
     template<class Body>
@@ -29,7 +33,13 @@ struct dfield_context final : std::pmr::memory_resource {
     void retain() noexcept { references.fetch_add(1, std::memory_order_relaxed); }
     void release() noexcept;
 
+    // Says something to whoever set the hook; not for queries.
+    void log(dfield_log_level level, const char* message) const {
+        if (hooks.log) hooks.log(hooks.user, level, message);
+    }
+
     dfield_context_desc hooks;
+    const std::int64_t simd_targets;  // Highway's, that kernels may use (simd.hpp)
     std::atomic<std::size_t> references{1};
 
   private:

@@ -3,18 +3,24 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 
 #include "context.hpp"
 #include "format/field.hpp"
+#include "format/file.hpp"
 
 struct dfield_field final : dfield::runtime::Shared<dfield_field> {
-    dfield_field(dfield_context* context, std::span<const std::byte> bytes);
+    dfield_field(dfield_context* context, std::span<const std::byte> bytes,
+                 const dfield::ReadOptions& options = {});
 
     dfield::DisplacementField maps;
     std::pmr::vector<glm::vec3> points;  // positional samples on the unit sphere, file order
     std::size_t map_stride;              // bytes from one map to the next
     std::pmr::vector<float> self_visibility;
+    std::pmr::vector<glm::vec4> line_points;  // the line table's lattice, w = 0; only where it wants a pivot
+
+    std::pmr::vector<float> direction_reach;  // of each level of direction maps: dfield::direction_reach
 
     std::uint64_t memory_bytes() const;
 };

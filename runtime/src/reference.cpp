@@ -131,12 +131,17 @@ double instance_distance(const Instance& instance, const glm::vec3& x, const glm
     return t >= bias ? t : kNone;
 }
 
-double receiver_visibility(const dfield_scene& scene, const dfield_ao& ao, const glm::vec3& x,
+double receiver_visibility(const SceneState& scene, const dfield_ao& ao, const glm::vec3& x,
                            const glm::vec3& n, dfield_instance owner) {
+    const bool shared = ao.sampling == DFIELD_SAMPLING_SHARED;
     const Frame frame = frame_of_normal(n);
-    double visibility = 0;
+    double visibility = 0, whole = 0;
     for (std::size_t r = 0; r < ao.ray_count; ++r) {  // "for all emanating rays"
-        const glm::vec3 w = frame.to_world({ao.x[r], ao.y[r], ao.z[r]});
+        const glm::vec3 direction(ao.x[r], ao.y[r], ao.z[r]);
+        const glm::vec3 w = shared ? direction : frame.to_world(direction);
+        // A = 1/pi int V(x, w) (w . n) dw: directions around the normal carry the cosine in their density.
+        const double weight = ao.weight(r) * (shared ? std::max(glm::dot(n, w), 0.0f) : 1.0);
+        whole += weight;
         double nearest = kNone;
         if (scene.ground && glm::dot(scene.ground->normal, w) < 0) {
             const double height = glm::dot(scene.ground->normal, x) - scene.ground->distance;
@@ -144,10 +149,10 @@ double receiver_visibility(const dfield_scene& scene, const dfield_ao& ao, const
         }
         for (const dfield_instance id : scene.active)
             if (id != owner) nearest = std::min(nearest, instance_distance(scene.instances[id], x, n, w, ao));
-        // A = 1/pi int V(x, w) (w . n) dw: the directions carry the cosine.
-        visibility += ao.weight(r) * (1 - ao.occlusion(static_cast<float>(nearest)));
+        visibility += weight * (1 - ao.occlusion(static_cast<float>(nearest)));
     }
-    return visibility;
+    if (!shared) return visibility;
+    return whole > 0 ? visibility / whole : 1;
 }
 
 }  // namespace
@@ -172,7 +177,7 @@ extern "C" dfield_status dfield_scene_visibility_reference(const dfield_scene* s
             const float length = glm::length(n);
             double result = 1;
             if (finite(x) && std::isfinite(length) && length > 0)
-                result = receiver_visibility(*scene, *ao, x, n / length,
+                result = receiver_visibility(scene->state, *ao, x, n / length,
                                              owners ? *owners.at(i) : DFIELD_NO_INSTANCE);
             *output.at(i) = static_cast<float>(self ? result * *self.at(i) : result);
         }

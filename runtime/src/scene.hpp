@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <glm/mat3x3.hpp>
+#include <glm/mat4x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory_resource>
 #include <optional>
@@ -11,6 +13,7 @@
 
 #include "context.hpp"
 #include "field.hpp"
+#include "hierarchy.hpp"
 
 namespace dfield::runtime {
 
@@ -24,10 +27,11 @@ struct Plane {
 // without it, receivers at the rim of a box that stands on their plane take half of their open rays for
 // blocked.
 struct LeavingBox {
+    static constexpr float kContact = 1 - 1e-4f;  // rounding must not put what touches a face inside
+
     glm::vec3 outward{0};  // per axis: which way leads away (0: the origin lies between the box's faces)
 
     LeavingBox(const glm::vec3& origin, const glm::vec3& box_centre, const glm::vec3& box_half) {
-        constexpr float kContact = 1 - 1e-4f;  // rounding must not put what touches a face inside
         const glm::vec3 p = origin - box_centre;
         for (int axis = 0; axis < 3; ++axis)
             if (std::fabs(p[axis]) >= kContact * box_half[axis]) outward[axis] = p[axis];
@@ -37,13 +41,27 @@ struct LeavingBox {
     }
 };
 
+// Where an instance's line table looks things up: the space whose unit sphere is the table's bounding sphere or
+// ellipsoid.
+struct LineSpace {
+    glm::mat3 to_unit{1};  // x_unit = to_unit * x_world + offset
+    glm::vec3 offset{0};
+
+    glm::vec3 carry_point(const glm::vec3& x) const { return to_unit * x + offset; }
+};
+
 struct Instance {
     dfield_field* field = nullptr;  // null: a free slot
+    std::uint64_t revision = 0;     // another one after every change, never used twice by any scene
+    bool hidden = false;            // occludes nothing, and is not active
     glm::mat3 to_unit{1};           // x_unit = to_unit * x_world + unit_offset
     glm::vec3 unit_offset{0};
     glm::mat3 to_world{1};  // linear part of the inverse
     // Box of the object in unit space.
     glm::vec3 box_centre{0}, box_half{0};
+    Box bounds{};                    // of all that queries look up: the bounding sphere or ellipsoid, in the world
+    glm::mat4x3 object_to_world{1};  // as the caller gave it
+    LineSpace lines;  // of fields with a line table
 
     // Points carry the translation, directions do not; neither is renormalised, so t stays the world's.
     glm::vec3 carry_point(const glm::vec3& x) const { return to_unit * x + unit_offset; }
@@ -53,13 +71,45 @@ struct Instance {
     LeavingBox leaving_box(const glm::vec3& origin) const { return {origin, box_centre, box_half}; }
 };
 
+// What queries read of a scene; they never change it. The live scene has one, every snapshot has one. Holds a
+// reference to the field of each instance.
+class SceneState {
+  public:
+    explicit SceneState(dfield_context* context) : instances(context), active(context), context_(context) {}
+    // A copy without hierarchy.
+    SceneState(const SceneState& other);
+    SceneState& operator=(const SceneState&) = delete;
+    ~SceneState();
+
+    dfield_context* context() const noexcept { return context_; }
+
+    std::pmr::vector<Instance> instances;      // by id
+    std::pmr::vector<dfield_instance> active;  // ids in use and not hidden, ascending
+    std::optional<Plane> ground;
+    std::uint64_t ground_revision = 0;           // as Instance::revision
+    std::optional<InstanceHierarchy> hierarchy;  // over `active`; only snapshots have one
+
+  private:
+    dfield_context* context_;
+};
+
 }  // namespace dfield::runtime
 
 struct dfield_scene final : dfield::runtime::Shared<dfield_scene> {
-    explicit dfield_scene(dfield_context* context) : Shared(context), instances(context), active(context) {}
-    ~dfield_scene();
+    explicit dfield_scene(dfield_context* context) : Shared(context), state(context), committed(context) {}
+    dfield_scene(dfield_context* context, const dfield::runtime::SceneState& other)
+        : Shared(context), state(other), committed(context) {}
 
-    std::pmr::vector<dfield::runtime::Instance> instances;  // by id
-    std::pmr::vector<dfield_instance> active;               // ids in use, ascending
-    std::optional<dfield::runtime::Plane> ground;
+    dfield::runtime::SceneState state;
+    // The hierarchy of the last commit, for the next one to start from.
+    dfield::runtime::InstanceHierarchy committed;
+    bool tree_stale = true;  // `committed` is over other ids than the active ones
+};
+
+// A scene that nobody can edit: the one reference to it that is not const is in here.
+struct dfield_snapshot final : dfield::runtime::Shared<dfield_snapshot> {
+    dfield_snapshot(dfield_context* context, const dfield::runtime::SceneState& state)
+        : Shared(context), scene(context, state) {}
+
+    dfield_scene scene;
 };

@@ -18,6 +18,8 @@ class Strided {
           stride_(stride ? stride : values_an_element * sizeof(Value)) {}
 
     explicit operator bool() const { return first_ != nullptr; }
+    // The elements from `first` on.
+    Strided from(std::size_t first) const { return {at(first), stride_, 0}; }
     Value* at(std::size_t i) const { return reinterpret_cast<Value*>(first_ + i * stride_); }
     glm::vec3 vec3(std::size_t i) const {
         Value* const v = at(i);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "any_hit_batch.hpp"
-#include "lookup.hpp"
+#include "kind.hpp"
+#include "rays/kernels.hpp"
 #include "scene.hpp"
 #include "status.hpp"
 #include "strided.hpp"
@@ -38,7 +38,7 @@ bool usable(const Ray& ray) {
     return finite(ray.origin) && std::isfinite(square) && square > 0;
 }
 
-float ground_hit(const dfield_scene& scene, const Ray& ray) {
+float ground_hit(const SceneState& scene, const Ray& ray) {
     if (!scene.ground) return kInfinity;
     const float approach = glm::dot(scene.ground->normal, ray.direction);
     if (!(approach < 0)) return kInfinity;
@@ -46,69 +46,79 @@ float ground_hit(const dfield_scene& scene, const Ray& ray) {
     return std::max(height, 0.0f) / -approach;
 }
 
-// The chord of a ray in an instance's sphere; false where the ray cannot hit the object.
-bool chord_of_ray(const Instance& instance, const Ray& ray, Chord& chord) {
-    const glm::vec3 origin = instance.carry_point(ray.origin),
-                    direction = instance.carry_direction(ray.direction);
-    return !instance.leaving_box(origin).leaves(direction.x, direction.y, direction.z) &&
-           chord_of_line(origin, direction, chord);
-}
+// Rays of a batch, an array a component as kernels want them. Unusable ones have no place: nothing can hit them.
+class BlockOfRays {
+  public:
+    BlockOfRays(const SceneState& scene, const RayReader& reader, std::size_t begin, std::size_t count)
+        : count_(count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const Ray ray = reader[begin + i];
+            const bool use = usable(ray);
+            for (int axis = 0; axis < 3; ++axis) {
+                numbers_[axis][i] = use ? ray.origin[axis] : std::numeric_limits<float>::quiet_NaN();
+                numbers_[3 + axis][i] = use ? ray.direction[axis] : 1.0f;
+            }
+            ground_[i] = use ? ground_hit(scene, ray) : kInfinity;
+            max_distance_[i] = ray.max_distance;
+            bounded_ |= use && ray.max_distance != kInfinity;
+        }
+    }
+    RayBlock view() const {
+        return {numbers_[0].data(), numbers_[1].data(), numbers_[2].data(),
+                numbers_[3].data(), numbers_[4].data(), numbers_[5].data(), count_};
+    }
+    std::size_t size() const { return count_; }
+    float ground(std::size_t i) const { return ground_[i]; }
+    float max_distance(std::size_t i) const { return max_distance_[i]; }
+    bool bounded() const { return bounded_; }
 
-float instance_hit(const Instance& instance, const Ray& ray) {
-    Chord chord;
-    if (!chord_of_ray(instance, ray, chord)) return kInfinity;
-    return with_bits(*instance.field, [&]<int kBits>() { return first_hit<kBits>(*instance.field, chord); });
-}
-
-struct NearestHit {
-    float distance = kInfinity;
-    dfield_instance instance = DFIELD_NO_INSTANCE;
+  private:
+    std::array<std::array<float, kRayBlock + kRayPadding>, 6> numbers_{};
+    std::array<float, kRayBlock> ground_, max_distance_;
+    std::size_t count_;
+    bool bounded_ = false;
 };
 
-NearestHit nearest(const dfield_scene& scene, const Ray& ray) {
-    NearestHit best;
-    if (!usable(ray)) return best;
-    best.distance = ground_hit(scene, ray);
-    for (const dfield_instance id : scene.active) {
-        const float t = instance_hit(scene.instances[id], ray);
-        if (t < best.distance) best = {t, id};
-    }
-    return best.distance <= ray.max_distance ? best : NearestHit{};
+// What answers single rays: the maps, or where a field has none the line table.
+const RayKernels& kernels_for(const RayLookups& lookups, const dfield_field& field) {
+    return has_kind(field, DFIELD_KIND_MAPS) ? lookups.maps : lookups.lines;
 }
 
-// Rays [begin, end), at most a batch, instance by instance. Rays that one instance blocks are not asked
-// again.
-void occluded_block(const dfield_scene& scene, const RayReader& reader, std::size_t begin, std::size_t end,
-                    std::uint8_t* result) {
-    std::array<bool, AnyHitBatch::kCapacity> open;  // usable, and not blocked so far
-    for (std::size_t i = begin; i < end; ++i) {
-        const Ray ray = reader[i];
-        const bool use = usable(ray);
-        const float ground = use ? ground_hit(scene, ray) : kInfinity;
-        result[i] = ground < kInfinity && ground <= ray.max_distance;
-        open[i - begin] = use && !result[i];
+struct NearestHits {
+    std::array<float, kRayBlock> distance;
+    std::array<dfield_instance, kRayBlock> instance;
+};
+
+// Whatever the rays' maximal distances are.
+void find_nearest(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays, NearestHits& hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        hits.distance[i] = rays.ground(i);
+        hits.instance[i] = DFIELD_NO_INSTANCE;
     }
-    AnyHitBatch batch;
     for (const dfield_instance id : scene.active) {
         const Instance& instance = scene.instances[id];
-        const auto block = [&](std::size_t k) {
-            result[begin + k] = 1;
-            open[k] = false;
-        };
-        with_bits(*instance.field, [&]<int kBits>() {
-            for (std::size_t k = 0; k < end - begin; ++k) {
-                Chord chord;
-                if (!open[k]) continue;
-                const Ray ray = reader[begin + k];
-                if (!chord_of_ray(instance, ray, chord)) continue;
-                if (ray.max_distance == kInfinity)
-                    batch.add(chord, static_cast<std::uint16_t>(k), 0, false);
-                else if (first_hit<kBits>(*instance.field, chord) <= ray.max_distance)
-                    block(k);
-            }
-            batch.look_up<kBits>(*instance.field, block);
-        });
+        std::array<float, kRayBlock> before = hits.distance;
+        kernels_for(lookups, *instance.field).ray_distances(instance, rays.view(), hits.distance.data());
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (hits.distance[i] < before[i]) hits.instance[i] = id;
     }
+}
+
+void find_occluded(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays, std::uint8_t* result) {
+    if (rays.bounded()) {
+        NearestHits hits;
+        find_nearest(scene, lookups, rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            result[i] = hits.distance[i] < kInfinity && hits.distance[i] <= rays.max_distance(i);
+        return;
+    }
+    std::array<std::uint8_t, kRayBlock + kRayPadding> blocked{};
+    for (std::size_t i = 0; i < rays.size(); ++i) blocked[i] = rays.ground(i) < kInfinity;
+    for (const dfield_instance id : scene.active) {
+        const Instance& instance = scene.instances[id];
+        kernels_for(lookups, *instance.field).ray_any_hits(instance, rays.view(), blocked.data());
+    }
+    std::copy_n(blocked.begin(), rays.size(), result);
 }
 
 void require_rays(const dfield_scene* scene, const dfield_rays* rays, const void* output) {
@@ -131,11 +141,17 @@ dfield_status dfield_scene_trace(const dfield_scene* scene, const dfield_rays* r
         const RayReader reader(*rays);
         const Strided<float> distances(hits->distances, hits->distance_stride, 1);
         const Strided<dfield_instance> instances(hits->instances, hits->instance_stride, 1);
-        scene->context()->for_ranges(rays->count, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const NearestHit hit = nearest(*scene, reader[i]);
-                *distances.at(i) = hit.distance;
-                if (instances) *instances.at(i) = hit.instance;
+        const RayLookups& lookups = ray_lookups(scene->state.context()->simd_targets);
+        scene->state.context()->for_ranges(rays->count, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t first = begin; first < end; first += kRayBlock) {
+                const BlockOfRays block(scene->state, reader, first, std::min(kRayBlock, end - first));
+                NearestHits nearest;
+                find_nearest(scene->state, lookups, block, nearest);
+                for (std::size_t i = 0; i < block.size(); ++i) {
+                    const bool hit = nearest.distance[i] <= block.max_distance(i);
+                    *distances.at(first + i) = hit ? nearest.distance[i] : kInfinity;
+                    if (instances) *instances.at(first + i) = hit ? nearest.instance[i] : DFIELD_NO_INSTANCE;
+                }
             }
         });
     });
@@ -146,9 +162,12 @@ dfield_status dfield_scene_occluded(const dfield_scene* scene, const dfield_rays
     return guarded([&] {
         require_rays(scene, rays, result);
         const RayReader reader(*rays);
-        scene->context()->for_ranges(rays->count, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t first = begin; first < end; first += AnyHitBatch::kCapacity)
-                occluded_block(*scene, reader, first, std::min(first + AnyHitBatch::kCapacity, end), result);
+        const RayLookups& lookups = ray_lookups(scene->state.context()->simd_targets);
+        scene->state.context()->for_ranges(rays->count, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t first = begin; first < end; first += kRayBlock) {
+                const BlockOfRays block(scene->state, reader, first, std::min(kRayBlock, end - first));
+                find_occluded(scene->state, lookups, block, result + first);
+            }
         });
     });
 }

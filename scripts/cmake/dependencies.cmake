@@ -29,9 +29,12 @@ macro(dfield_find_library variable name debian)
 endmacro()
 
 # Format and runtime
-include(${CMAKE_CURRENT_LIST_DIR}/dfield-zstd.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/dfield-libraries.cmake)
 if(NOT TARGET dfield::zstd)
   list(APPEND DFIELD_MISSING "libzstd-dev  (library zstd and <zstd.h>)")
+endif()
+if(NOT TARGET dfield::hwy)
+  list(APPEND DFIELD_MISSING "libhwy-dev  (library hwy and <hwy/highway.h>)")
 endif()
 dfield_find_header(DFIELD_XXHASH_INCLUDE xxhash.h libxxhash-dev)
 dfield_find_header(DFIELD_GLM_INCLUDE glm/glm.hpp libglm-dev)

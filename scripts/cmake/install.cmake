@@ -24,15 +24,15 @@ configure_package_config_file(runtime/cmake/dfieldConfig.cmake.in ${PROJECT_BINA
 # Before 1.0 every minor version may change the ABI.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/dfieldConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/dfieldConfig.cmake ${PROJECT_BINARY_DIR}/dfieldConfigVersion.cmake
-              scripts/cmake/dfield-zstd.cmake
+              scripts/cmake/dfield-libraries.cmake
         DESTINATION ${package_folder} COMPONENT development)
 
-# Whoever links the static library needs zstd and the C++ library too, the C programmer above all.
+# Whoever links the static library needs zstd, Highway and the C++ library too, the C programmer above all.
 set(pc_requires "")
 set(pc_libs "-L\${libdir} -ldfield")
 set(pc_cflags "-I\${includedir}")
 if(NOT DFIELD_BUILD_SHARED)
-  set(pc_requires "libzstd")
+  set(pc_requires "libzstd libhwy")
   foreach(library IN LISTS CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
     if(library MATCHES "^(stdc\\+\\+|c\\+\\+|m)$")
       string(APPEND pc_libs " -l${library}")

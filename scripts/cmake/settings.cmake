@@ -35,9 +35,13 @@ else()
   if(DFIELD_SANITIZE)
     # -O1 after the build type's own level: fast enough for thousands of malformed files, with usable traces. With the
     # sanitizers g++ warns of uninitialised members deep in its own <regex> and <functional>.
-    target_compile_options(dfield_settings INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
+    set(sanitizers address,undefined)
+    if(DFIELD_SANITIZE STREQUAL thread)
+      set(sanitizers thread)
+    endif()
+    target_compile_options(dfield_settings INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all
                            -fno-omit-frame-pointer -O1 -g1 -UNDEBUG
                            $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-    target_link_options(dfield_settings INTERFACE -fsanitize=address,undefined)
+    target_link_options(dfield_settings INTERFACE -fsanitize=${sanitizers})
   endif()
 endif()

@@ -1,6 +1,11 @@
-# The shared library exports what dfield.h declares: nothing more, nothing less.
-# cmake -DLIBRARY=libdfield.so -DHEADER=dfield.h -DNM=nm -P exported_symbols.cmake
-file(READ ${HEADER} text)
+# The shared library exports what dfield.h and the headers that it includes declare: nothing more, nothing less.
+# cmake -DLIBRARY=libdfield.so -DHEADERS=folder of dfield.h -DNM=nm -P exported_symbols.cmake
+file(GLOB headers ${HEADERS}/*.h)
+set(text "")
+foreach(header IN LISTS headers)
+  file(READ ${header} part)
+  string(APPEND text "${part}")
+endforeach()
 string(REGEX REPLACE "/\\*[^*]*\\*+([^/*][^*]*\\*+)*/" "" text "${text}")
 string(REGEX MATCHALL "DFIELD_API[^;(]*[ *]dfield_[a-z0-9_]+\\(" declarations "${text}")
 set(declared "")
@@ -10,14 +15,19 @@ foreach(declaration IN LISTS declarations)
   list(APPEND declared ${name})
 endforeach()
 list(LENGTH declared count)
-if(count LESS 10)
-  message(FATAL_ERROR "only ${count} functions found in ${HEADER}: has the way it declares them changed?")
+if(count LESS 40)
+  message(FATAL_ERROR "only ${count} functions found in ${HEADERS}: has the way it declares them changed?")
 endif()
 
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE lines COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^ \n]+\n" exported "${lines}")
 string(REPLACE "\n" "" exported "${exported}")
 
+foreach(symbol IN LISTS exported)
+  if(NOT symbol MATCHES "^dfield_")
+    message(FATAL_ERROR "${LIBRARY} exports ${symbol}")
+  endif()
+endforeach()
 set(extra ${exported})
 list(REMOVE_ITEM extra ${declared})
 set(missing ${declared})

@@ -28,7 +28,8 @@ Json bake_json(const Shell& shell, Arguments more, const std::string& model = "c
 
 TEST_CASE("bake reports what it did") {
     const Shell shell;
-    const Json json = bake_json(shell, {"--subdivision", "8", "--map-size", "16", "--threads", "2"});
+    const Json json =
+        bake_json(shell, {"--kind", "maps", "--subdivision", "8", "--map-size", "16", "--threads", "2"});
     CHECK(json.at("model") == "cube.obj");
     CHECK(json.at("output") == "out.dfield");
     CHECK(json.at("status") == "baked");
@@ -60,7 +61,9 @@ TEST_CASE("--json FILE holds what --json - prints, and people's lines stay on st
     const Run to_file =
         shell.run(with_small_field({"bake", "cube.obj", "-o", "out.dfield", "--json", "report.json"}));
     REQUIRE(to_file.exit_code == 0);
-    CHECK(contains(to_file.out, "out.dfield: 32 triangles, 66 positions (paper: 82) x 8x8 x 8 bit"));
+    CHECK(contains(to_file.out, "out.dfield: 32 triangles, "));
+    CHECK(contains(to_file.out,
+                   "maps: 66 slater (subdivision 4; the paper counts 82) of 8x8 concentric, 8 bit"));
     CHECK(to_file.err.empty());
     std::ifstream file(shell.folder() / "report.json");
     Json written = Json::parse(file), printed = bake_json(shell, with_small_field({}));
@@ -87,7 +90,7 @@ TEST_CASE("info shows what was baked") {
         INFO(key);
         CHECK(json.at(key) == baked.at(key));
     }
-    CHECK(json.at("version") == "1.0");
+    CHECK(json.at("version") == "1.1");
     CHECK(json.at("self_vertices") == 0);
     // The cube of side 1 around the origin: its smallest ball has half the space diagonal as radius.
     for (int axis = 0; axis < 3; ++axis) {

@@ -79,7 +79,10 @@ TEST_CASE("a batch bakes what is missing or changed and leaves the rest alone") 
     SECTION("other parameters bake again") {
         for (const Arguments& parameter :
              {Arguments{"--bits", "16"}, Arguments{"--mapping", "polar"}, Arguments{"--positions", "latlong"},
-              Arguments{"--self"}, Arguments{"--self", "--self-rays", "9"}}) {
+              Arguments{"--self"}, Arguments{"--self", "--self-rays", "9"}, Arguments{"--kind", "maps"},
+              Arguments{"--kind", "lines", "--line-size", "5"},
+              Arguments{"--kind", "lines", "--line-size", "6"}, Arguments{"--direction-count", "38"},
+              Arguments{"--direction-depth", "8"}}) {
             INFO(parameter[0]);
             CHECK(batch.run(parameter).json().at("baked") == 2);
             CHECK(batch.run(parameter).json().at("unchanged") == 2);

@@ -118,26 +118,4 @@ inline bool same_field(const DisplacementField& a, const DisplacementField& b) {
            a.provenance == b.provenance;
 }
 
-// What tests/golden holds, by file name. A released version's list never changes; a new version adds names.
-struct GoldenField {
-    std::string name;
-    DisplacementField field;
-};
-
-inline std::vector<GoldenField> golden_fields() {
-    std::vector<GoldenField> fields;
-    const auto add = [&](const char* name, const FieldParameters& p, Pattern pattern,
-                         bool optional_sections) {
-        fields.push_back({name, make_field(p, pattern, 7)});
-        if (optional_sections) add_optional_sections(fields.back().field);
-    };
-    add("v1.0-1bit.dfield", {Positions::kSlater, 2, Mapping::kConcentric, 5, 1}, Pattern::kSmooth, true);
-    add("v1.0-8bit.dfield", {Positions::kSlater, 2, Mapping::kConcentric, 8, 8}, Pattern::kSmooth, true);
-    add("v1.0-8bit-noise.dfield", {Positions::kLatlong, 2, Mapping::kRejection, 6, 8}, Pattern::kNoise,
-        false);
-    add("v1.0-16bit.dfield", {Positions::kSlater, 2, Mapping::kPolar, 4, 16}, Pattern::kSmooth, false);
-    add("v1.0-32bit.dfield", {Positions::kSlater, 2, Mapping::kConcentric, 4, 32}, Pattern::kSmooth, true);
-    return fields;
-}
-
 }  // namespace dfield::test

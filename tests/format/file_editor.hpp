@@ -124,7 +124,7 @@ struct Refusal {
 inline Refusal refusal(std::span<const std::byte> bytes, const ReadLimits& limits = {}) {
     const ExactCopy exact(bytes);
     try {
-        read_field(exact, limits);
+        read_field(exact, {limits});
     } catch (const FormatError& error) {
         for (const Finding& finding : validate_file(exact, limits))
             if (finding.severity == Finding::Severity::kError)

@@ -9,16 +9,21 @@
 #include "tests/format/counting_memory.hpp"
 #include "tests/format/fields.hpp"
 #include "tests/format/file_editor.hpp"
+#include "tests/format/kinds.hpp"
 
 using namespace dfield;
 using namespace dfield::test;
 
 namespace {
 
-constexpr ReadLimits kSmallLimits{.max_texel_bytes = 1 << 14, .max_self_vertices = 1 << 10};
+constexpr ReadLimits kSmallLimits{.max_texel_bytes = 1 << 14,
+                                  .max_self_vertices = 1 << 10,
+                                  .max_line_bytes = 1 << 12,
+                                  .max_direction_bytes = 1 << 13};
 
-// FORMAT.md, "Memory": with P <= 2 T and N <= T that is below this for every field within the limits.
+// FORMAT.md, "Memory": with P <= 2 T, N <= T and E <= X that is below this for every field within the limits.
 constexpr std::uint64_t kSmallBound = 22 * kSmallLimits.max_texel_bytes + 4 * kSmallLimits.max_self_vertices +
+                                      2 * (kSmallLimits.max_line_bytes + kSmallLimits.max_direction_bytes) +
                                       kMaxProvenanceBytes + (256 << 10);
 
 void mutate_bytes(Bits& random, Bytes& bytes) {
@@ -65,7 +70,7 @@ Bytes mutated(Bits& random, const FileEditor& source, const Bytes& bytes) {
     }
     FileEditor editor = source;
     auto& section = editor.sections[random.below(editor.sections.size())];
-    switch (random.below(12)) {
+    switch (random.below(14)) {
         case 0:
             std::swap(section, editor.sections[random.below(editor.sections.size())]);
             break;
@@ -83,6 +88,9 @@ Bytes mutated(Bits& random, const FileEditor& source, const Bytes& bytes) {
         case 4:
             section.frame = zstd_frame(section.raw);
             section.raw_bytes = random.next() >> random.below(64);
+            break;
+        case 5:
+            std::swap(section.raw, editor.sections[random.below(editor.sections.size())].raw);
             break;
         default:
             mutate_bytes(random, section.raw);
@@ -106,15 +114,24 @@ TEST_CASE("mutated files are refused, or are fields") {
         FileEditor editor(bytes);
         sources.push_back({std::move(bytes), std::move(editor)});
     }
+    DisplacementField kinds = make_all_kinds(1);
+    for (int i = 0; i < 2; ++i) {  // twice as often as the others
+        Bytes bytes = write_field(kinds, {.zstd_level = 1});
+        FileEditor editor(bytes);
+        sources.push_back({std::move(bytes), std::move(editor)});
+        kinds.parameters = kNoMaps;
+        kinds.texels.clear();
+        kinds.mean_depth.clear();
+    }
     Bits random(20);
     std::map<std::string_view, int> outcomes;
     CountingMemory memory;
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 30000; ++i) {
         const Source& source = sources[static_cast<std::size_t>(i) % sources.size()];
         const ExactCopy bytes(mutated(random, source.editor, source.bytes));
         memory.reset_peak();
         try {
-            const DisplacementField field = read_field(bytes, kSmallLimits, &memory);
+            const DisplacementField field = read_field(bytes, {kSmallLimits}, &memory);
             ++outcomes["accepted"];
             REQUIRE_NOTHROW(write_field(field, {.zstd_level = 1}));
         } catch (const FormatError& error) {
@@ -131,7 +148,7 @@ TEST_CASE("mutated files are refused, or are fields") {
           "section-unknown", "section-missing", "section-placement", "section-padding", "section-raw-size",
           "section-frame",   "reserved",        "parameters",        "memory-limit",    "not-finite",
           "radius",          "bounds",          "hit-mask",          "distances",       "provenance",
-          "payload-hash"}) {
+          "payload-hash",    "line-table",      "direction-maps",    "direction-levels"}) {
         INFO(stage);
         CHECK(outcomes[stage] > 0);
     }
@@ -156,4 +173,21 @@ TEST_CASE("reading takes no more memory than FORMAT.md states") {
                                            field.provenance.size() + (256 << 10));
                 CHECK(memory.live() == 0);
             }
+    for (const Pattern pattern : {Pattern::kSmooth, Pattern::kNoise, Pattern::kAllHit}) {
+        DisplacementField field = make_empty_field();
+        field.lines = make_line_table(line_parameters(16, 8, 9), pattern);
+        std::uint64_t content = 4 * (field.lines->hits.size() + field.lines->depths.size());
+        for (const DirectionParameters& p : {DirectionParameters{2, 16, 8}, DirectionParameters{6, 64, 16}}) {
+            field.directions.push_back(make_direction_maps(p, pattern));
+            content += field.directions.back().memory_bytes();
+        }
+        const Bytes bytes = write_field(field, {.zstd_level = 1});
+        std::uint64_t largest = 0;
+        for (const SectionInfo& section : read_file_info(bytes).sections)
+            largest = std::max(largest, section.raw_bytes);
+        CountingMemory memory;
+        CHECK(same_kinds(read_field(bytes, {}, &memory), field));
+        CHECK(memory.peak() <= content + largest + (256 << 10));
+        CHECK(memory.live() == 0);
+    }
 }

@@ -6,7 +6,7 @@
 
 #include "format/file.hpp"
 #include "format/writer.hpp"
-#include "tests/format/fields.hpp"
+#include "tests/format/golden_fields.hpp"
 
 int main(int argc, char** argv) {
     if (argc != 2) {

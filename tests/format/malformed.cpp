@@ -5,6 +5,7 @@
 #include "format/writer.hpp"
 #include "tests/format/fields.hpp"
 #include "tests/format/file_editor.hpp"
+#include "tests/format/kinds.hpp"
 
 using namespace dfield;
 using namespace dfield::test;
@@ -17,6 +18,13 @@ std::vector<Bytes> small_files() {
         DisplacementField field =
             make_field({Positions::kSlater, 1, Mapping::kConcentric, 5, bits}, Pattern::kSmooth);
         add_optional_sections(field);
+        files.push_back(write_field(field));
+        REQUIRE(accepted(files.back()));
+    }
+    DisplacementField directions = make_empty_field();
+    directions.lines = make_line_table(line_parameters(3, 4, 2), Pattern::kSmooth);
+    directions.directions.push_back(make_direction_maps({1, 16, 8}, Pattern::kSmooth));
+    for (const DisplacementField& field : {make_all_kinds(), directions}) {
         files.push_back(write_field(field));
         REQUIRE(accepted(files.back()));
     }

@@ -61,7 +61,7 @@ TEST_CASE("major versions are refused by name, newer minor ones accepted with a 
         check_refused(bytes, Code::kVersion);
         const std::string message = refusal(bytes).message;
         CHECK(message.find(std::to_string(major) + ".7") != std::string::npos);
-        CHECK(message.find("1.0") != std::string::npos);
+        CHECK(message.find("1.1") != std::string::npos);
         CHECK(message.find("bake again") != std::string::npos);
     }
     const Bytes newer = edited(kEight, [](FileEditor& e) { e.minor = layout::kVersionMinor + 1; });
@@ -245,7 +245,7 @@ TEST_CASE("raw sizes are held against the parameters before memory is taken") {
     check_refused(full_file(kEight), Code::kMemoryLimit, {.max_texel_bytes = texel_bytes(kEight) - 1});
     check_refused(full_file(kEight), Code::kSectionRawSize, {.max_self_vertices = 49});
     CHECK_NOTHROW(
-        read_field(full_file(kEight), {.max_texel_bytes = texel_bytes(kEight), .max_self_vertices = 50}));
+        read_field(full_file(kEight), {{.max_texel_bytes = texel_bytes(kEight), .max_self_vertices = 50}}));
 }
 
 TEST_CASE("parameters, sphere and bounds") {

@@ -7,6 +7,7 @@
 //       { "scene": "corner",                                       or corner-contact
 //         "subdivision": 32, "map_size": 32, "bits": 8,            these are the defaults, as are the rest:
 //         "mapping": "concentric", "positions": "slater",
+//         "lines": { "lattice": 24, "filtered": false },           a line table instead of displacement maps
 //         "limits": { "rms_grey": 2.3, "bias_grey": 1, "max_grey": 40, "file_bytes": 1048576 } } ] }
 //
 // rms_grey, bias_grey (either sign) and max_grey are over the corner's 3,267 vertices with 256 rays each, in
@@ -22,9 +23,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "baker/bake.hpp"
 #include "baker/cli/comparison.hpp"
 #include "baker/cli/corner.hpp"
+#include "baker/plan.hpp"
 #include "baker/scene.hpp"
 #include "format/hemisphere_map.hpp"
 #include "format/writer.hpp"
@@ -52,8 +53,27 @@ FieldParameters parameters_of(const json& configuration) {
     return parameters;
 }
 
+FieldPlan plan_of(const json& configuration) {
+    FieldPlan plan;
+    if (!configuration.contains("lines")) {
+        plan.maps = parameters_of(configuration);
+        return plan;
+    }
+    const json& lines = configuration.at("lines");
+    LineParameters parameters;
+    parameters.lattice = lines.value("lattice", parameters.lattice);
+    parameters.pivot = lines.value("pivot", parameters.pivot);
+    parameters.filtered = lines.value("filtered", parameters.filtered);
+    plan.lines = parameters;
+    return plan;
+}
+
 // What identifies a field among those of a model, and a configuration in the output.
-std::string field_name(const FieldParameters& p) {
+std::string field_name(const FieldPlan& plan) {
+    if (plan.lines)
+        return "lines " + std::to_string(plan.lines->lattice) + (plan.lines->pivot ? " pivot" : "") +
+               (plan.lines->filtered ? " filtered" : "");
+    const FieldParameters& p = *plan.maps;
     std::string name = std::to_string(p.subdivision) + "/" + std::to_string(p.map_size) + "^2/" +
                        std::to_string(p.bits) + " bit";
     if (p.mapping == Mapping::kPolar) name += " polar";
@@ -94,17 +114,13 @@ void hold_model(const fs::path& path, const json& configurations) {
     const TriangleMesh mesh = flatten_scene(import_scene(path));
     std::map<std::string, std::vector<std::byte>> fields;
     for (const json& configuration : configurations) {
-        const FieldParameters parameters = parameters_of(configuration);
+        const FieldPlan plan = plan_of(configuration);
         const auto scene = configuration.at("scene").get<std::string>();
         REQUIRE((scene == "corner" || scene == "corner-contact"));
-        const std::string name = field_name(parameters);
+        const std::string name = field_name(plan);
         INFO(path.filename().string() << ", " << scene << ", " << name);
         std::vector<std::byte>& field = fields[name];
-        if (field.empty()) {
-            BakeOptions options;
-            options.parameters = parameters;
-            field = write_field(bake_field(mesh, options));
-        }
+        if (field.empty()) field = write_field(bake_plan(mesh, plan, {}));
         const cli::Comparison result = compare_in_corner(mesh, field, scene == "corner" ? 0.1f : 0.0f);
         REQUIRE(result.receivers == 3267);
         REQUIRE(result.rays == 3267 * kRays);

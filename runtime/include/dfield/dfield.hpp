@@ -41,6 +41,7 @@ class Context {
         check(dfield_context_create(desc, &handle));
         handle_.reset(handle);
     }
+    dfield_simd simd() const noexcept { return dfield_context_get_simd(handle_.get()); }
     dfield_context* get() const noexcept { return handle_.get(); }
 
   private:
@@ -57,6 +58,17 @@ class Field {
     static Field load(const Context& context, const void* bytes, std::size_t size) {
         dfield_field* handle = nullptr;
         check(dfield_field_load_memory(context.get(), bytes, size, &handle));
+        return Field(handle);
+    }
+    // A part of the file: `kinds` as in dfield_load_desc.
+    static Field load(const Context& context, const void* bytes, std::size_t size, std::uint32_t kinds,
+                      std::uint32_t direction_levels = 0) {
+        dfield_load_desc desc{};
+        desc.struct_size = sizeof desc;
+        desc.kinds = kinds;
+        desc.direction_levels = direction_levels;
+        dfield_field* handle = nullptr;
+        check(dfield_field_load_part(context.get(), &desc, bytes, size, &handle));
         return Field(handle);
     }
     dfield_field_info info() const {
@@ -85,13 +97,73 @@ class Ao {
         handle_.reset(handle);
     }
     const float* directions() const noexcept { return dfield_ao_get_directions(handle_.get()); }
+    std::size_t mask_words() const noexcept { return dfield_ao_get_mask_words(handle_.get()); }
+    dfield_kind kind(const Field& field) const {
+        dfield_kind result = DFIELD_KIND_AUTO;
+        check(dfield_ao_get_kind(handle_.get(), field.get(), &result));
+        return result;
+    }
+    // Visibility from masks; weights may be null. As dfield_ao_gather.
+    void gather(const dfield_receivers& receivers, const std::uint32_t* masks, const float* weights, float* result) const {
+        check(dfield_ao_gather(handle_.get(), &receivers, masks, 0, weights, result, 0));
+    }
     dfield_ao* get() const noexcept { return handle_.get(); }
 
   private:
     detail::Handle<dfield_ao, dfield_ao_release> handle_;
 };
 
-class Scene {
+// All members null: nothing is wanted yet.
+inline dfield_outputs no_outputs() noexcept {
+    dfield_outputs outputs{};
+    outputs.struct_size = sizeof outputs;
+    return outputs;
+}
+
+// The queries, of a scene or of a snapshot. Any number of threads may ask.
+template<class Derived>
+class Queries {
+  public:
+    void trace(const dfield_rays& rays, const dfield_hits& hits) const {
+        check(dfield_scene_trace(scene(), &rays, &hits));
+    }
+    void occluded(const dfield_rays& rays, std::uint8_t* result) const {
+        check(dfield_scene_occluded(scene(), &rays, result));
+    }
+    void ambient(const Ao& ao, const dfield_receivers& receivers, const dfield_outputs& outputs) const {
+        check(dfield_scene_ambient(scene(), ao.get(), &receivers, &outputs));
+    }
+    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result, std::size_t stride = 0) const {
+        check(dfield_scene_visibility(scene(), ao.get(), &receivers, result, stride));
+    }
+    void visibility_mask(const Ao& ao, const dfield_receivers& receivers, std::uint32_t* masks,
+                         std::size_t stride = 0) const {
+        check(dfield_scene_visibility_mask(scene(), ao.get(), &receivers, masks, stride));
+    }
+
+  private:
+    const dfield_scene* scene() const noexcept { return static_cast<const Derived*>(this)->scene_handle(); }
+};
+
+// Shared: copies are the same snapshot.
+class Snapshot : public Queries<Snapshot> {
+  public:
+    explicit Snapshot(dfield_snapshot* taken_over) noexcept : handle_(taken_over) {}
+    Snapshot(const Snapshot& other) noexcept : handle_(other.get()) { dfield_snapshot_retain(other.get()); }
+    Snapshot(Snapshot&&) noexcept = default;
+    Snapshot& operator=(Snapshot other) noexcept {
+        handle_.swap(other.handle_);
+        return *this;
+    }
+    const dfield_scene* scene_handle() const noexcept { return dfield_snapshot_get_scene(handle_.get()); }
+    dfield_snapshot* get() const noexcept { return handle_.get(); }
+
+  private:
+    detail::Handle<dfield_snapshot, dfield_snapshot_release> handle_;
+};
+
+// One thread edits; it may be queried while nobody does.
+class Scene : public Queries<Scene> {
   public:
     explicit Scene(const Context& context) {
         dfield_scene* handle = nullptr;
@@ -106,27 +178,58 @@ class Scene {
     void set_transform(dfield_instance instance, const float* object_to_world) {
         check(dfield_scene_set_transform(handle_.get(), instance, object_to_world));
     }
+    void set_transforms(std::size_t count, const dfield_instance* instances, const float* object_to_world,
+                        std::size_t stride = 0) {
+        check(dfield_scene_set_transforms(handle_.get(), count, instances, object_to_world, stride));
+    }
+    void set_field(dfield_instance instance, const Field& field) {
+        check(dfield_scene_set_field(handle_.get(), instance, field.get()));
+    }
+    void set_hidden(dfield_instance instance, bool hidden) {
+        check(dfield_scene_set_hidden(handle_.get(), instance, hidden ? 1 : 0));
+    }
     void remove(dfield_instance instance) { check(dfield_scene_remove_instance(handle_.get(), instance)); }
     void set_ground(const float* plane) { check(dfield_scene_set_ground(handle_.get(), plane)); }
-
-    void trace(const dfield_rays& rays, const dfield_hits& hits) const {
-        check(dfield_scene_trace(handle_.get(), &rays, &hits));
+    Snapshot commit() {
+        dfield_snapshot* snapshot = nullptr;
+        check(dfield_scene_commit(handle_.get(), &snapshot));
+        return Snapshot(snapshot);
     }
-    void occluded(const dfield_rays& rays, std::uint8_t* result) const {
-        check(dfield_scene_occluded(handle_.get(), &rays, result));
-    }
-    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result,
-                    std::size_t stride = 0) const {
-        check(dfield_scene_visibility(handle_.get(), ao.get(), &receivers, result, stride));
-    }
-    void visibility_mask(const Ao& ao, const dfield_receivers& receivers, std::uint32_t* masks,
-                         std::size_t stride = 0) const {
-        check(dfield_scene_visibility_mask(handle_.get(), ao.get(), &receivers, masks, stride));
-    }
+    const dfield_scene* scene_handle() const noexcept { return handle_.get(); }
     dfield_scene* get() const noexcept { return handle_.get(); }
 
   private:
     detail::Handle<dfield_scene, dfield_scene_release> handle_;
+};
+
+// Receivers that stay from frame to frame. One thread at a time.
+class ReceiverSet {
+  public:
+    // attached may be null, packed otherwise.
+    ReceiverSet(const Context& context, const Ao& ao, const dfield_receivers& receivers,
+                const dfield_instance* attached = nullptr) {
+        dfield_receiver_set_desc desc{};
+        desc.struct_size = sizeof desc;
+        desc.ao = ao.get();
+        desc.receivers = receivers;
+        desc.attached = attached;
+        dfield_receiver_set* handle = nullptr;
+        check(dfield_receiver_set_create(context.get(), &desc, &handle));
+        handle_.reset(handle);
+    }
+    dfield_update_stats update(const Snapshot& snapshot) {
+        dfield_update_stats stats{};
+        check(dfield_receiver_set_update(handle_.get(), snapshot.get(), &stats));
+        return stats;
+    }
+    const float* visibility() const noexcept { return dfield_receiver_set_get_visibility(handle_.get()); }
+    void outputs(const dfield_outputs& outputs, bool only_changed = false) const {
+        check(dfield_receiver_set_get_outputs(handle_.get(), &outputs, only_changed ? 1 : 0));
+    }
+    dfield_receiver_set* get() const noexcept { return handle_.get(); }
+
+  private:
+    detail::Handle<dfield_receiver_set, dfield_receiver_set_release> handle_;
 };
 
 }  // namespace dfield

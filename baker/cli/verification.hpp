@@ -1,0 +1,23 @@
+// How far a baked field is from ray casting, on a standard set of receivers: `dfield bake --verify`.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "baker/cli/report.hpp"
+#include "baker/mesh.hpp"
+#include "format/field.hpp"
+
+namespace dfield::cli {
+
+// The errors of every kind that the field holds, at the receivers of scenes `corner` and `corner-contact`,
+// against Embree with the same rays and with kVerificationRays: {"maps": {"corner": {"rms_grey": …}, …}, …}.
+// `bytes` is a .dfield of `field`, which is baked from `mesh`.
+inline constexpr std::uint32_t kVerificationRays = 1024;
+Json verification_json(const TriangleMesh& mesh, const DisplacementField& field,
+                       std::span<const std::byte> bytes, int threads);
+
+// "maps 2.15 grey (corner), 3.1 grey (corner-contact)", a kind.
+std::vector<std::string> verification_lines(const Json& verified);
+
+}  // namespace dfield::cli

@@ -1,0 +1,176 @@
+#include "batch/batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+
+#include "batch/chunk_builder.hpp"
+#include "batch/distances.hpp"
+#include "kind.hpp"
+
+namespace dfield::runtime {
+namespace {
+
+constexpr std::size_t kChunkReceivers = kChunkBlocks * kLanes;
+
+// Calls consume(slab, masks) for each slab of directions, with what instances and ground block.
+template<class Consume>
+void for_slabs(const SceneState& scene, const dfield_ao& ao, const Chunk& chunk, const Consume& consume) {
+    const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
+    ChunkMasks masks;
+    ChunkFacing facing;
+    for (std::size_t first = 0; first < ao.shared.padded(); first += kSlab) {
+        const Slab slab{ao.shared, first, std::min(kSlab, ao.shared.padded() - first)};
+        masks.clear(chunk, slab.count);
+        kernels.find_facing(chunk, slab, facing);
+        if (scene.ground) add_ground(*scene.ground, slab, chunk, masks);
+        for (const dfield_instance id : scene.active) {
+            const Instance& instance = scene.instances[id];
+            if (kind_for(ao, *instance.field) == DFIELD_KIND_DIRECTIONS)
+                kernels.add_caster(direction_caster(ao, instance, id), slab, chunk, facing, masks);
+        }
+        consume(slab, masks);
+    }
+}
+
+// The same where distances count: consume(slab, occlusion), for a chunk of at most kDistanceBlocks.
+template<class Consume>
+void for_distance_slabs(const SceneState& scene, const DistanceRule& rule, const Chunk& chunk,
+                        const Consume& consume) {
+    const dfield_ao& ao = rule.ao;
+    const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
+    ChunkOcclusion occlusion;
+    ChunkMasks masks;
+    ChunkFacing facing;
+    for (std::size_t first = 0; first < ao.shared.padded(); first += kSlab) {
+        const Slab slab{ao.shared, first, std::min(kSlab, ao.shared.padded() - first)};
+        for (std::size_t k = 0; k < slab.count; ++k) occlusion.rows[k].fill(0);
+        kernels.find_facing(chunk, slab, facing);
+        if (scene.ground) add_ground_distances(*scene.ground, rule, slab, chunk, occlusion);
+        for (const dfield_instance id : scene.active)
+            add_caster_distances(kernels, direction_caster(ao, scene.instances[id], id), rule, slab, chunk, facing, masks,
+                                 occlusion);
+        consume(slab, occlusion);
+    }
+}
+
+// Calls answer(first, count, chunk, lane_of) for chunks of the receivers, of about equal size and at most `blocks`.
+template<class Answer>
+void for_chunks(const dfield_receivers& receivers, std::size_t blocks, const Answer& answer) {
+    const std::size_t largest = blocks * kLanes, chunks = (receivers.count + largest - 1) / largest;
+    Chunk chunk;
+    LaneOfReceiver lane_of;
+    for (std::size_t c = 0; c < chunks; ++c) {
+        const std::size_t begin = receivers.count * c / chunks, end = receivers.count * (c + 1) / chunks;
+        build_chunk(receivers, begin, end, chunk, lane_of);
+        answer(begin, end - begin, chunk, lane_of);
+    }
+}
+
+// Calls mark(lane, ray) for a blocked pair that counts: a real ray that the receiver faces.
+template<class Mark>
+void mark_facing(const Slab& slab, const Chunk& chunk, std::size_t k, std::size_t lane, const Mark& mark) {
+    const std::size_t at = slab.first + k;
+    const std::uint32_t ray = slab.shared.ray[at];
+    if (ray == SharedDirections::kNoRay) return;
+    const glm::vec3 w(slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]);
+    if (glm::dot(glm::vec3(chunk.nx[lane], chunk.ny[lane], chunk.nz[lane]), w) > 0) mark(lane, ray);
+}
+
+// Of `M`, by how much it stretches at most; exact for rotation times even scale.
+float stretch(const glm::mat3& m) {
+    float bound = 0;
+    for (int i = 0; i < 3; ++i) {
+        float row = 0;
+        for (int j = 0; j < 3; ++j) row += std::fabs(glm::dot(m[i], m[j]));
+        bound = std::max(bound, row);
+    }
+    return std::sqrt(bound);
+}
+
+}  // namespace
+
+BatchShare batch_share(const SceneState& scene, const dfield_ao& ao) {
+    if (ao.sampling != DFIELD_SAMPLING_SHARED) return BatchShare::kNone;
+    bool some = false, all = true;
+    for (const dfield_instance id : scene.active) {
+        const bool answers = kind_for(ao, *scene.instances[id].field) == DFIELD_KIND_DIRECTIONS;
+        some |= answers;
+        all &= answers;
+    }
+    return all ? BatchShare::kAll : some ? BatchShare::kSome : BatchShare::kNone;
+}
+
+DirectionCaster direction_caster(const dfield_ao& ao, const Instance& instance, dfield_instance id) {
+    const dfield_field& field = *instance.field;
+    return {instance,
+            field.maps.directions.back(),
+            -(instance.to_world * instance.unit_offset),
+            1.0001f * field.direction_reach.back() * stretch(instance.to_world),
+            ao.bias,
+            id};
+}
+
+void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks) {
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const std::size_t at = slab.first + k;
+        const glm::vec3 ray(slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]);
+        if (!(glm::dot(ground.normal, ray) < 0)) continue;
+        std::copy_n(chunk.lanes.begin(), chunk.blocks, masks.rows[k].begin());
+    }
+}
+
+void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
+                      const Strided<float>& visibility) {
+    const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
+    for_chunks(receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
+               [&](std::size_t begin, std::size_t count, const Chunk& chunk, const LaneOfReceiver& lane_of) {
+                   alignas(64) std::array<float, kChunkReceivers> values;
+                   std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
+                   if (ao.any_hit())
+                       for_slabs(scene, ao, chunk, [&](const Slab& slab, const ChunkMasks& masks) {
+                           kernels.add_occluded(slab, chunk, masks, values.data());
+                       });
+                   else
+                       for_distance_slabs(scene, {ao, false}, chunk, [&](const Slab& slab, const ChunkOcclusion& occlusion) {
+                           add_occlusion(slab, chunk, occlusion, values.data());
+                       });
+                   kernels.finish_visibility(ao.shared, chunk, values.data());
+                   for (std::size_t i = 0; i < count; ++i)
+                       *visibility.at(begin + i) = lane_of[i] != kLeftOut ? values[lane_of[i]] : 1.0f;
+               });
+}
+
+void batch_masks(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
+                 const Strided<std::uint32_t>& masks) {
+    for_chunks(receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
+               [&](std::size_t begin, std::size_t count, const Chunk& chunk, const LaneOfReceiver& lane_of) {
+                   std::array<std::uint32_t, kChunkReceivers> receiver_of;  // by lane
+                   for (std::size_t i = 0; i < count; ++i) {
+                       std::fill_n(masks.at(begin + i), ao.mask_words(), 0u);
+                       if (lane_of[i] != kLeftOut) receiver_of[lane_of[i]] = static_cast<std::uint32_t>(begin + i);
+                   }
+                   const auto mark = [&](std::size_t lane, std::uint32_t ray) {
+                       masks.at(receiver_of[lane])[ray >> 5] |= 1u << (ray & 31);
+                   };
+                   if (ao.any_hit())
+                       for_slabs(scene, ao, chunk, [&](const Slab& slab, const ChunkMasks& blocked) {
+                           for (std::size_t k = 0; k < slab.count; ++k)
+                               for (std::size_t b = 0; b < chunk.blocks; ++b)
+                                   for (std::uint32_t bits = blocked.rows[k][b] & chunk.lanes[b]; bits != 0;
+                                        bits &= bits - 1)
+                                       mark_facing(slab, chunk, k, b * kLanes + std::countr_zero(bits), mark);
+                       });
+                   else
+                       for_distance_slabs(scene, {ao, true}, chunk, [&](const Slab& slab, const ChunkOcclusion& occlusion) {
+                           for (std::size_t k = 0; k < slab.count; ++k)
+                               for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
+                                   if (occlusion.rows[k][i] != 0 && (chunk.lanes[i / kLanes] >> i % kLanes & 1))
+                                       mark_facing(slab, chunk, k, i, mark);
+                       });
+               });
+}
+
+}  // namespace dfield::runtime

@@ -1,0 +1,361 @@
+// Included once a target by kernels.cpp, hence no include guard of the usual kind.
+#if defined(DFIELD_BATCH_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef DFIELD_BATCH_KERNELS_INL
+#undef DFIELD_BATCH_KERNELS_INL
+#else
+#define DFIELD_BATCH_KERNELS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "batch/map_lookup-inl.hpp"
+#include "batch/prepare-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace dfield::runtime::HWY_NAMESPACE {
+
+// Bits of `count` lanes (at most 16), lane by lane of vectors of Lanes(d): bits(first lane) gives a vector's.
+template<class Bits>
+HWY_INLINE std::uint32_t for_sixteen(F d, const Bits& bits) {
+    std::uint32_t result = 0;
+    for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) result |= bits(i) << i;
+    return result;
+}
+
+inline void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
+    const F d;
+    constexpr float kMargin = 1e-5f;  // rounding must not lose a receiver at its own horizon
+    facing.clusters = 0;
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const std::size_t at = slab.first + k;
+        const V x = hn::Set(d, slab.shared.x[at]), y = hn::Set(d, slab.shared.y[at]),
+                z = hn::Set(d, slab.shared.z[at]);
+        std::uint32_t any = 0;
+        for (std::size_t b = 0; b < chunk.blocks; b += 16) {
+            const std::uint32_t bits = for_sixteen(d, [&](std::size_t i) HWY_ATTR {
+                const V cosine = hn::MulAdd(
+                    x, hn::Load(d, &chunk.axis_x[b + i]),
+                    hn::MulAdd(y, hn::Load(d, &chunk.axis_y[b + i]), hn::Mul(z, hn::Load(d, &chunk.axis_z[b + i]))));
+                return mask_bits(d, hn::Gt(hn::Add(cosine, hn::Load(d, &chunk.sine[b + i])),
+                                           hn::Set(d, -kMargin)));
+            });
+            facing.rows[k][b / 16] = static_cast<std::uint16_t>(bits);
+            any |= bits;
+        }
+        if (any != 0) facing.clusters |= 1u << k / kClusterSize;
+    }
+}
+
+// Which clusters of the slab hold a direction whose line through some receiver may come near the caster.
+inline std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                                   std::uint32_t candidates) {
+    const glm::vec3 middle = 0.5f * (chunk.low + chunk.high);
+    const glm::vec3 away = caster.centre - middle;
+    const float distance = std::sqrt(glm::dot(away, away));
+    const float reach = 1.0001f * (caster.reach + 0.5f * glm::length(chunk.high - chunk.low));
+    if (!(reach < distance)) return candidates;
+    const float sine = reach / distance, cosine = std::sqrt(1 - sine * sine);
+    std::uint32_t result = 0;
+    for (std::uint32_t rest = candidates; rest != 0; rest &= rest - 1) {
+        const int c = std::countr_zero(rest);
+        const DirectionCluster& cluster = slab.shared.clusters[slab.first / kClusterSize + c];
+        // The angle between axis and line of centres is at most the sum of both cones' (lines have no sense).
+        const float bound = cosine * cluster.cosine - sine * cluster.sine;
+        if (cluster.cosine <= 0 || std::fabs(glm::dot(cluster.axis, away)) >= (bound - 1e-5f) * distance)
+            result |= 1u << c;
+    }
+    return result;
+}
+
+// How a block's receivers lie to the caster, found when the block is first met.
+struct BlockSides {
+    std::uint16_t active;  // may be blocked by the caster
+    std::uint16_t cut;     // their tangent plane cuts it
+    // By axis: near receivers above, below the box; the third stands for neither and is 0.
+    std::uint16_t beside[3][3];
+};
+
+// Of a ray in unit space, by axis: which of BlockSides::beside it leaves the box from.
+struct LeavingSides {
+    std::array<std::uint8_t, 3> side;
+
+    explicit LeavingSides(const glm::vec3& w) {
+        for (int axis = 0; axis < 3; ++axis) side[axis] = w[axis] > 0 ? 0 : w[axis] < 0 ? 1 : 2;
+    }
+    std::uint32_t staying(const BlockSides& sides) const {
+        return sides.active &
+               ~(sides.beside[0][side[0]] | sides.beside[1][side[1]] | sides.beside[2][side[2]]);
+    }
+};
+
+HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk& chunk, std::size_t block) {
+    const F d;
+    const Instance& instance = caster.instance;
+    BlockSides sides{};
+    std::uint32_t behind = 0, near_box = 0;
+    const auto dot3 = [&](const glm::vec3& a, V x, V y, V z) HWY_ATTR {
+        return hn::MulAdd(hn::Set(d, a.x), x, hn::MulAdd(hn::Set(d, a.y), y, hn::Mul(hn::Set(d, a.z), z)));
+    };
+    for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+        const std::size_t at = block * kLanes + i;
+        const V x = hn::Load(d, &chunk.x[at]), y = hn::Load(d, &chunk.y[at]), z = hn::Load(d, &chunk.z[at]);
+        const V nx = hn::Load(d, &chunk.nx[at]), ny = hn::Load(d, &chunk.ny[at]), nz = hn::Load(d, &chunk.nz[at]);
+        const V zero = hn::Zero(d);
+        V beside = hn::Set(d, -1e30f);
+        V square = hn::Zero(d), at_origin = hn::Zero(d), height = hn::Zero(d), extent = hn::Zero(d);
+        for (int axis = 0; axis < 3; ++axis) {
+            const glm::vec3 row(instance.to_unit[0][axis], instance.to_unit[1][axis], instance.to_unit[2][axis]);
+            const V origin = hn::Add(dot3(row, x, y, z), hn::Set(d, instance.unit_offset[axis]));
+            const V n = dot3(instance.to_world[axis], nx, ny, nz);
+            const V away = hn::Sub(hn::Set(d, instance.box_centre[axis]), origin);
+            const V half = hn::Set(d, instance.box_half[axis]);
+            square = hn::MulAdd(n, n, square);
+            at_origin = hn::MulAdd(n, origin, at_origin);
+            height = hn::MulAdd(n, away, height);
+            extent = hn::MulAdd(hn::Abs(n), half, extent);
+            const V contact = hn::Set(d, LeavingBox::kContact * instance.box_half[axis]);
+            sides.beside[axis][0] |= static_cast<std::uint16_t>(mask_bits(d, hn::Le(hn::Add(away, contact), zero)) << i);
+            sides.beside[axis][1] |= static_cast<std::uint16_t>(mask_bits(d, hn::Ge(away, contact)) << i);
+            beside = hn::Max(beside, hn::Sub(hn::Abs(away), half));
+        }
+        near_box |= mask_bits(d, hn::Lt(beside, hn::Set(d, kNearBox))) << i;
+        const V length = hn::Sqrt(square);
+        behind |= mask_bits(d, hn::Or(hn::Le(hn::Add(height, extent), zero), hn::Le(length, at_origin))) << i;
+        const V contact = hn::Mul(hn::Set(d, -kContactTolerance), length);
+        sides.cut |= static_cast<std::uint16_t>(mask_bits(d, hn::Lt(hn::Sub(height, extent), contact)) << i);
+    }
+    std::uint32_t active = chunk.lanes[block] & ~behind;
+    if (chunk.any_owner)
+        for (std::uint32_t rest = active; rest != 0; rest &= rest - 1)
+            if (chunk.owners[block * kLanes + std::countr_zero(rest)] == caster.id) active &= ~(rest & -rest);
+    for (auto& axis : sides.beside)
+        for (std::uint16_t& lanes : axis) lanes &= static_cast<std::uint16_t>(near_box);
+    sides.active = static_cast<std::uint16_t>(active);
+    return sides;
+}
+
+// Of `bits`, those whose receivers have the hit ahead. Rare, hence one by one.
+inline std::uint32_t with_hit_ahead(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                                    const PreparedDirections& prepared, std::size_t k, std::size_t block,
+                                    std::uint32_t bits) {
+    const glm::vec3 ray(slab.shared.x[slab.first + k], slab.shared.y[slab.first + k],
+                        slab.shared.z[slab.first + k]);
+    std::uint32_t result = 0;
+    for (; bits != 0; bits &= bits - 1) {
+        const int lane = std::countr_zero(bits);
+        const std::size_t i = block * kLanes + lane;
+        const glm::vec3 position(chunk.x[i], chunk.y[i], chunk.z[i]);
+        const glm::vec3 normal(chunk.nx[i], chunk.ny[i], chunk.nz[i]);
+        if (glm::dot(normal, ray) > 0 &&
+            hit_is_ahead(caster, position, ray, prepared.place(k, position, caster.instance)))
+            result |= 1u << lane;
+    }
+    return result;
+}
+
+// Which of 16 words are not full yet: `lanes` has the bits of full ones.
+HWY_INLINE std::uint32_t open_words(const std::uint16_t* words, const std::uint16_t* lanes) {
+    const hn::CappedTag<std::uint16_t, 16> d;
+    std::uint32_t result = 0;
+    for (std::size_t i = 0; i < 16; i += hn::Lanes(d))
+        result |= mask_bits(d, hn::Ne(hn::Load(d, words + i), hn::Load(d, lanes + i))) << i;
+    return result;
+}
+
+// Which of 16 words are not 0.
+HWY_INLINE std::uint32_t words_set(const std::uint16_t* words) {
+    const hn::CappedTag<std::uint16_t, 16> d;
+    std::uint32_t result = 0;
+    for (std::size_t i = 0; i < 16; i += hn::Lanes(d))
+        result |= mask_bits(d, hn::Ne(hn::Load(d, words + i), hn::Zero(d))) << i;
+    return result;
+}
+
+// One direction's texel coordinates, in registers.
+struct Coordinate {
+    V x, y, z, constant;
+
+    HWY_INLINE Coordinate(F d, const std::array<PreparedDirections::Row, 4>& row, std::size_t k)
+        : x(hn::Set(d, row[0][k])), y(hn::Set(d, row[1][k])), z(hn::Set(d, row[2][k])), constant(hn::Set(d, row[3][k])) {}
+    HWY_INLINE V at(V px, V py, V pz) const {
+        return hn::MulAdd(x, px, hn::MulAdd(y, py, hn::MulAdd(z, pz, constant)));
+    }
+};
+
+// Which of 16 blocks, from `first` on, have a box that a direction's map can meet. Conservative: what rounding
+// could add to a receiver's texel coordinates is less than the margin.
+HWY_INLINE std::uint32_t blocks_on_map(F d, const Chunk& chunk, std::size_t first, const Coordinate& u,
+                                       const Coordinate& v, V map_size) {
+    return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
+        const std::size_t b = first + i;
+        const V x = hn::Load(d, &chunk.centre_x[b]), y = hn::Load(d, &chunk.centre_y[b]),
+                z = hn::Load(d, &chunk.centre_z[b]);
+        const V half_x = hn::Load(d, &chunk.half_x[b]), half_y = hn::Load(d, &chunk.half_y[b]),
+                half_z = hn::Load(d, &chunk.half_z[b]);
+        const auto inside = [&](const Coordinate& c) HWY_ATTR {
+            const V middle = c.at(x, y, z);
+            const V extent = hn::MulAdd(hn::Abs(c.x), half_x,
+                                        hn::MulAdd(hn::Abs(c.y), half_y,
+                                                   hn::MulAdd(hn::Abs(c.z), half_z, hn::Set(d, kTexelMargin))));
+            return hn::And(hn::Ge(hn::Add(middle, extent), hn::Zero(d)), hn::Le(hn::Sub(middle, extent), map_size));
+        };
+        return mask_bits(d, hn::And(inside(u), inside(v)));
+    });
+}
+
+// What a chunk's blocks are to one caster.
+struct ChunkSides {
+    std::array<BlockSides, kChunkBlocks> blocks;
+    std::array<std::uint16_t, kChunkBlocks / 16> known{};  // of these `blocks` and `plain` are set
+    std::array<std::uint16_t, kChunkBlocks / 16> plain{};  // all lanes active, none cut, none near the box
+
+    HWY_INLINE void find(const DirectionCaster& caster, const Chunk& chunk, std::size_t group, std::uint32_t missing) {
+        for (; missing != 0; missing &= missing - 1) {
+            const int place = std::countr_zero(missing);
+            const BlockSides& side = blocks[group + place] = sides_of_block(caster, chunk, group + place);
+            std::uint32_t special = side.cut | (side.active ^ 0xffffu);
+            for (const auto& axis : side.beside) special |= axis[0] | axis[1];
+            plain[group / 16] |= static_cast<std::uint16_t>((special == 0) << place);
+            known[group / 16] |= static_cast<std::uint16_t>(1u << place);
+        }
+    }
+};
+
+template<int kSize>
+void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                      const ChunkFacing& facing, ChunkMasks& masks) {
+    const F d;
+    constexpr auto kMapSize = static_cast<float>(kSize);
+    const std::uint32_t clusters = clusters_near(caster, slab, chunk, facing.clusters);
+    if (clusters == 0) return;
+    PreparedDirections prepared;
+    ChunkSides sides;
+    const V map_size = hn::Set(d, kMapSize);
+    const glm::vec3 middle = 0.5f * (chunk.low + chunk.high), half = 0.5f * (chunk.high - chunk.low);
+
+    for (std::uint32_t rest = clusters; rest != 0; rest &= rest - 1) {
+        const std::size_t first = std::countr_zero(rest) * kClusterSize;
+        prepare_directions(caster, slab, first, prepared);
+        std::uint32_t directions = directions_on_box(prepared, first, middle, half, kMapSize);
+        for (; directions != 0; directions &= directions - 1) {
+            const std::size_t k = first + std::countr_zero(directions), at = slab.first + k;
+            const MapRegisters<kSize> map(d, caster.maps.texels.data() +
+                                                 std::size_t{prepared.index[k]} * direction_map_words(kSize));
+            const Coordinate u(d, prepared.u, k), v(d, prepared.v, k);
+            auto& row = masks.rows[k];
+            const auto look_up = [&](std::size_t b) HWY_ATTR {
+                return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
+                    const std::size_t lane = b * kLanes + i;
+                    const V x = hn::Load(d, &chunk.x[lane]), y = hn::Load(d, &chunk.y[lane]),
+                            z = hn::Load(d, &chunk.z[lane]);
+                    return map.hits(d, u.at(x, y, z), v.at(x, y, z));
+                });
+            };
+            for (std::size_t group = 0; group < chunk.blocks; group += 16) {
+                std::uint32_t blocks = facing.rows[k][group / 16];
+                if (blocks == 0) continue;
+                blocks &= blocks_on_map(d, chunk, group, u, v, map_size);
+                if (blocks == 0) continue;
+                blocks &= open_words(&row[group], &chunk.lanes[group]);
+                if (const std::uint32_t missing = blocks & ~sides.known[group / 16])
+                    sides.find(caster, chunk, group, missing);
+                for (std::uint32_t plain = blocks & sides.plain[group / 16]; plain != 0; plain &= plain - 1) {
+                    const std::size_t b = group + std::countr_zero(plain);
+                    row[b] |= static_cast<std::uint16_t>(look_up(b));
+                }
+                std::uint32_t special = blocks & ~sides.plain[group / 16];
+                if (special != 0) {
+                    const LeavingSides leaving(caster.instance.carry_direction(
+                        {slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]}));
+                    for (; special != 0; special &= special - 1) {
+                        const std::size_t b = group + std::countr_zero(special);
+                        std::uint32_t bits = leaving.staying(sides.blocks[b]);
+                        if (bits == 0) continue;
+                        bits &= look_up(b);
+                        if (const std::uint32_t cut = bits & sides.blocks[b].cut)
+                            bits = (bits & ~cut) | with_hit_ahead(caster, slab, chunk, prepared, k, b, cut);
+                        row[b] |= static_cast<std::uint16_t>(bits);
+                    }
+                }
+            }
+        }
+    }
+}
+
+inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                       const ChunkFacing& facing, ChunkMasks& masks) {
+    switch (caster.maps.parameters.map_size) {
+        case 16:
+            return add_caster_sized<16>(caster, slab, chunk, facing, masks);
+        case 32:
+            return add_caster_sized<32>(caster, slab, chunk, facing, masks);
+        case 64:
+            return add_caster_sized<64>(caster, slab, chunk, facing, masks);
+        default:
+            return add_caster_sized<128>(caster, slab, chunk, facing, masks);
+    }
+}
+
+inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
+    const F d;
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const std::size_t at = slab.first + k;
+        const V x = hn::Set(d, slab.shared.x[at]), y = hn::Set(d, slab.shared.y[at]),
+                z = hn::Set(d, slab.shared.z[at]), weight = hn::Set(d, slab.shared.weight[at]);
+        for (std::size_t group = 0; group < chunk.blocks; group += 16)
+            for (std::uint32_t blocks = words_set(&masks.rows[k][group]); blocks != 0; blocks &= blocks - 1) {
+                const std::size_t b = group + std::countr_zero(blocks);
+                const std::uint32_t bits = masks.rows[k][b];
+                for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+                    const std::size_t lane = b * kLanes + i;
+                    const V cosine = hn::MulAdd(
+                        x, hn::Load(d, &chunk.nx[lane]),
+                        hn::MulAdd(y, hn::Load(d, &chunk.ny[lane]), hn::Mul(z, hn::Load(d, &chunk.nz[lane]))));
+                    const V share = hn::Mul(weight, hn::Max(cosine, hn::Zero(d)));
+                    hn::Store(hn::Add(hn::Load(d, occluded + lane), keep_bits(d, bits >> i, share)), d,
+                              occluded + lane);
+                }
+            }
+    }
+}
+
+inline void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float* values) {
+    const F d;
+    const I in;
+    constexpr int kSize = SharedDirections::kTotalsSize;
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), scale = hn::Set(d, 0.5f * kSize);
+    for (std::size_t i = 0; i < chunk.blocks * kLanes; i += hn::Lanes(d)) {
+        const V nx = hn::Load(d, &chunk.nx[i]), ny = hn::Load(d, &chunk.ny[i]), nz = hn::Load(d, &chunk.nz[i]);
+        // SharedDirections::total
+        const V norm = hn::Div(one, hn::Add(hn::Abs(nx), hn::Add(hn::Abs(ny), hn::Abs(nz))));
+        const V a = hn::Mul(nx, norm), b = hn::Mul(ny, norm);
+        const auto south = hn::Lt(nz, zero);
+        const V column = hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(b)), a), a)));
+        const V row = hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(a)), b), b)));
+        const auto whole = [&](V x) HWY_ATTR {
+            return hn::Min(hn::Max(hn::ConvertTo(in, x), hn::Zero(in)), hn::Set(in, kSize - 1));
+        };
+        const auto s = whole(column), t = whole(row);
+        const V u = hn::Sub(column, hn::ConvertTo(d, s)), v = hn::Sub(row, hn::ConvertTo(d, t));
+        const auto cell = hn::Add(hn::Mul(t, hn::Set(in, kSize + 1)), s);
+        const auto corner = [&](int offset) HWY_ATTR {
+            return gathered_float(d, shared.totals.data() + offset, cell);
+        };
+        const V top_left = corner(0), bottom_left = corner(kSize + 1);
+        const V top = hn::MulAdd(u, hn::Sub(corner(1), top_left), top_left);
+        const V bottom = hn::MulAdd(u, hn::Sub(corner(kSize + 2), bottom_left), bottom_left);
+        const V total = hn::MulAdd(v, hn::Sub(bottom, top), top);
+        const V occluded = hn::Load(d, values + i);
+        const V visibility = hn::Max(zero, hn::Sub(one, hn::Div(occluded, total)));
+        hn::Store(hn::IfThenElse(hn::Gt(occluded, zero), visibility, one), d, values + i);
+    }
+}
+
+}  // namespace dfield::runtime::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,70 @@
+// The batch kernels as the method reads: every receiver, every direction, nothing culled.
+#include <cmath>
+
+#include "batch/chunk.hpp"
+#include "batch/confirm.hpp"
+#include "batch/direction_lookup.hpp"
+
+namespace dfield::runtime {
+namespace {
+
+glm::vec3 position_of(const Chunk& chunk, std::size_t i) {
+    return {chunk.x[i], chunk.y[i], chunk.z[i]};
+}
+glm::vec3 normal_of(const Chunk& chunk, std::size_t i) {
+    return {chunk.nx[i], chunk.ny[i], chunk.nz[i]};
+}
+glm::vec3 direction_of(const SharedDirections& shared, std::size_t k) {
+    return {shared.x[k], shared.y[k], shared.z[k]};
+}
+
+void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
+    facing.clusters = ~0u;
+    for (std::size_t k = 0; k < slab.count; ++k)
+        for (std::size_t b = 0; b < chunk.blocks; b += 16) facing.rows[k][b / 16] = 0xffff;
+}
+
+void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
+                ChunkMasks& masks) {
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const glm::vec3 ray = direction_of(slab.shared, slab.first + k);
+        const DirectionLookup lookup(caster.maps, caster.instance, ray);
+        for (std::size_t b = 0; b < chunk.blocks; ++b) {
+            if (!(asked.clusters >> k / kClusterSize & 1) || !(asked.rows[k][b / 16] >> b % 16 & 1)) continue;
+            std::uint16_t bits = 0;
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                const std::size_t i = b * kLanes + lane;
+                if (!(chunk.lanes[b] >> lane & 1) || chunk.owners[i] == caster.id) continue;
+                const glm::vec3 position = position_of(chunk, i), normal = normal_of(chunk, i);
+                const ReceiverSide side = side_of_receiver(caster.instance, position, normal);
+                const glm::vec3 w = caster.instance.carry_direction(ray);
+                MapPlace place;
+                if (!side.behind && !(side.near_box && side.leaving.leaves(w.x, w.y, w.z)) && lookup.hits(position, place) &&
+                    (!side.cut || hit_is_ahead(caster, position, ray, place)))
+                    bits |= static_cast<std::uint16_t>(1u << lane);
+            }
+            masks.rows[k][b] |= bits;
+        }
+    }
+}
+
+void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const glm::vec3 ray = direction_of(slab.shared, slab.first + k);
+        for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
+            if (masks.rows[k][i / kLanes] >> i % kLanes & 1)
+                occluded[i] +=
+                    slab.shared.weight[slab.first + k] * std::max(0.0f, glm::dot(normal_of(chunk, i), ray));
+    }
+}
+
+void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float* values) {
+    for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
+        values[i] = values[i] > 0 ? std::max(0.0f, 1 - values[i] / shared.total(normal_of(chunk, i))) : 1.0f;
+}
+
+}  // namespace
+
+const BatchKernels kReferenceKernels{find_facing, add_caster, add_occluded, finish_visibility};
+
+}  // namespace dfield::runtime

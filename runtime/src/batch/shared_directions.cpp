@@ -1,0 +1,102 @@
+#include "batch/shared_directions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+namespace dfield::runtime {
+namespace {
+
+using Order = std::vector<std::uint32_t>;
+
+// Splits [begin, end) at a multiple of the cluster size near its middle, along its widest axis, until
+// clusters are left.
+void cluster(std::span<const glm::vec3> directions, Order& order, std::size_t begin, std::size_t end) {
+    if (end - begin <= kClusterSize) return;
+    glm::vec3 low(2), high(-2);
+    for (std::size_t i = begin; i < end; ++i) {
+        low = glm::min(low, directions[order[i]]);
+        high = glm::max(high, directions[order[i]]);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t clusters = (end - begin + kClusterSize - 1) / kClusterSize;
+    const std::size_t middle = begin + clusters / 2 * kClusterSize;
+    const auto at = [&](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+        const float l = directions[a][axis], r = directions[b][axis];
+        return l != r ? l < r : a < b;
+    });
+    cluster(directions, order, begin, middle);
+    cluster(directions, order, middle, end);
+}
+
+// Point of the octahedral map's square [-1, 1]^2, unit.
+glm::vec3 octahedral_point(float a, float b) {
+    glm::vec3 p(a, b, 1 - std::fabs(a) - std::fabs(b));
+    if (p.z < 0) {
+        const float x = p.x, y = p.y;
+        p.x = std::copysign(1 - std::fabs(y), x);
+        p.y = std::copysign(1 - std::fabs(x), y);
+    }
+    return glm::normalize(p);
+}
+
+}  // namespace
+
+void SharedDirections::build(std::span<const glm::vec3> directions, std::span<const float> weights) {
+    Order order(directions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    cluster(directions, order, 0, order.size());
+    const std::size_t count = (order.size() + kClusterSize - 1) / kClusterSize * kClusterSize;
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool real = i < order.size();
+        const std::uint32_t r = real ? order[i] : order.back();
+        x.push_back(directions[r].x);
+        y.push_back(directions[r].y);
+        z.push_back(directions[r].z);
+        weight.push_back(!real ? 0.0f : weights.empty() ? 1.0f : weights[r]);
+        ray.push_back(real ? r : kNoRay);
+    }
+    for (std::size_t first = 0; first < count; first += kClusterSize) {
+        DirectionCluster result{glm::vec3(0), 1, 0};
+        for (std::size_t i = first; i < first + kClusterSize; ++i) result.axis += glm::vec3(x[i], y[i], z[i]);
+        const float length = glm::length(result.axis);
+        result.axis = length > 0 ? result.axis / length : glm::vec3(x[first], y[first], z[first]);
+        for (std::size_t i = first; i < first + kClusterSize; ++i)
+            result.cosine = std::min(result.cosine, glm::dot(result.axis, glm::vec3(x[i], y[i], z[i])));
+        result.cosine = std::max(result.cosine - 1e-6f, -1.0f);
+        result.sine = std::sqrt(std::max(0.0f, 1 - result.cosine * result.cosine));
+        clusters.push_back(result);
+    }
+    for (int row = 0; row <= kTotalsSize; ++row)
+        for (int column = 0; column <= kTotalsSize; ++column) {
+            const glm::vec3 n = octahedral_point(2.0f * static_cast<float>(column) / kTotalsSize - 1,
+                                                 2.0f * static_cast<float>(row) / kTotalsSize - 1);
+            double sum = 0;
+            for (std::size_t i = 0; i < count; ++i)
+                sum += weight[i] * std::max(0.0f, n.x * x[i] + n.y * y[i] + n.z * z[i]);
+            totals.push_back(static_cast<float>(sum));
+        }
+}
+
+float SharedDirections::total(const glm::vec3& n) const {
+    const float scale = 1 / (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
+    float a = n.x * scale, b = n.y * scale;
+    if (n.z < 0) {
+        const float folded = std::copysign(1 - std::fabs(b), a);
+        b = std::copysign(1 - std::fabs(a), b);
+        a = folded;
+    }
+    const float column = (a + 1) * (0.5f * kTotalsSize), row = (b + 1) * (0.5f * kTotalsSize);
+    const int i = std::clamp(static_cast<int>(column), 0, kTotalsSize - 1);
+    const int j = std::clamp(static_cast<int>(row), 0, kTotalsSize - 1);
+    const float u = column - static_cast<float>(i), v = row - static_cast<float>(j);
+    const float* const cell = totals.data() + j * (kTotalsSize + 1) + i;
+    const float* const next = cell + kTotalsSize + 1;
+    const float above = cell[0] + u * (cell[1] - cell[0]), below = next[0] + u * (next[1] - next[0]);
+    return above + v * (below - above);
+}
+
+}  // namespace dfield::runtime

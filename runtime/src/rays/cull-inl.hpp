@@ -1,0 +1,206 @@
+// Which rays of a block can hit: a few multiplications a ray decide, and the rays that are left are packed together so
+// that the lookups that follow have every lane busy. Seen once a target.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "rays/ray_query.hpp"
+#include "rays/vector-inl.hpp"
+
+#if defined(DFIELD_RAYS_CULL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef DFIELD_RAYS_CULL_INL
+#undef DFIELD_RAYS_CULL_INL
+#else
+#define DFIELD_RAYS_CULL_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace dfield::runtime::HWY_NAMESPACE {
+
+template<class T>
+using RayArray = std::array<T, kRayBlock + kRayPadding>;
+
+// Packed numbers of rays, one array a number, and their places in the block.
+template<int kNumbers>
+struct Packed {
+    alignas(64) std::array<RayArray<float>, kNumbers> numbers;
+    alignas(64) RayArray<std::int32_t> id;
+    std::size_t count = 0;
+
+    HWY_INLINE void add(const std::array<VF, kNumbers>& values, VI ids, MF kept) {
+        // Compressed in the register and stored whole: compressing stores are slow on some processors.
+        for (int k = 0; k < kNumbers; ++k) hn::StoreU(hn::Compress(values[k], kept), F(), numbers[k].data() + count);
+        hn::StoreU(hn::Compress(ids, hn::RebindMask(I(), kept)), I(), id.data() + count);
+        count += hn::CountTrue(F(), kept);
+    }
+    HWY_INLINE V3 vector(int first, std::size_t k) const {
+        return {hn::LoadU(F(), numbers[first].data() + k), hn::LoadU(F(), numbers[first + 1].data() + k),
+                hn::LoadU(F(), numbers[first + 2].data() + k)};
+    }
+    HWY_INLINE VI ids(std::size_t k) const { return hn::LoadU(I(), id.data() + k); }
+};
+
+// Lanes of rays [i, count) that no earlier instance has blocked.
+HWY_INLINE MF open_lanes(const std::uint8_t* blocked, std::size_t i, std::size_t count) {
+    const F f;
+    const hn::Rebind<std::uint8_t, F> bytes;
+    const MF inside = hn::FirstN(f, count - i);
+    if (!blocked) return inside;
+    const auto taken = hn::PromoteTo(I(), hn::LoadU(bytes, blocked + i));
+    return hn::And(inside, hn::RebindMask(f, hn::Eq(taken, hn::Zero(I()))));
+}
+
+// |M w|^2 as a polynomial of w, and whether it is the same for all unit w.
+struct SquaredLength {
+    float xx, yy, zz, xy, xz, yz;  // mixed terms doubled
+    bool even;
+
+    explicit SquaredLength(const glm::mat3& m)
+        : xx(glm::dot(m[0], m[0])),
+          yy(glm::dot(m[1], m[1])),
+          zz(glm::dot(m[2], m[2])),
+          xy(2 * glm::dot(m[0], m[1])),
+          xz(2 * glm::dot(m[0], m[2])),
+          yz(2 * glm::dot(m[1], m[2])) {
+        const float largest = std::max({std::fabs(xy), std::fabs(xz), std::fabs(yz), std::fabs(xx - yy),
+                                        std::fabs(xx - zz)});
+        even = largest < 1e-4f * xx;
+    }
+    HWY_INLINE VF of(const V3& w) const {
+        if (even) return set(xx);
+        const VF a = hn::MulAdd(set(xx), w.x, hn::MulAdd(set(xy), w.y, hn::Mul(set(xz), w.z)));
+        const VF b = hn::MulAdd(set(yy), w.y, hn::Mul(set(yz), w.z));
+        return hn::MulAdd(a, w.x, hn::MulAdd(b, w.y, hn::Mul(hn::Mul(set(zz), w.z), w.z)));
+    }
+};
+
+// Rays of one origin that are left, directions in the caller's frame.
+class SharedRays {
+  public:
+    // Keeps the rays that meet the unit sphere ahead of the origin and may meet the object's box, and some that just
+    // miss the sphere: the chord knows.
+    HWY_INLINE SharedRays(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
+                          const std::uint8_t* blocked)
+        : origin_(set(query.origin)), carry_(query.carry) {
+        const F f;
+        const float outside = glm::dot(query.origin, query.origin) - 1;
+        const V3 towards = set(query.origin * query.carry);  // the origin, in the caller's frame of directions
+        const SquaredLength square(query.carry);
+        const VF least = set(outside * 0.997f);  // directions are unit to 1e-3
+        std::array<glm::vec3, 3> outward;
+        std::size_t faces = 0;
+        for (const glm::vec3& face : query.leaving.outward)
+            if (face != glm::vec3(0)) outward[faces++] = face;
+        for (std::size_t i = 0; i < count; i += hn::Lanes(f)) {
+            const V3 w{hn::LoadU(f, x + i), hn::LoadU(f, y + i), hn::LoadU(f, z + i)};
+            MF kept = open_lanes(blocked, i, count);
+            if (outside > 0) {
+                const VF approach = dot(towards, w);
+                kept = hn::And(kept, hn::And(hn::Lt(approach, set(0)),
+                                             hn::Gt(hn::Mul(approach, approach), hn::Mul(square.of(w), least))));
+            }
+            if (hn::AllFalse(f, kept)) continue;
+            for (std::size_t face = 0; face < faces; ++face)
+                kept = hn::And(kept, hn::Le(dot(set(outward[face]), w), set(0)));
+            packed_.add({w.x, w.y, w.z}, hn::Iota(I(), static_cast<std::int32_t>(i)), kept);
+        }
+    }
+
+    // For `add`.
+    explicit HWY_INLINE SharedRays(const SharedRays& other, int) : origin_(other.origin_), carry_(other.carry_) {}
+    HWY_INLINE void add(const SharedRays& other, std::size_t k, MF kept) {
+        const V3 w = other.packed_.vector(0, k);
+        packed_.add({w.x, w.y, w.z}, other.packed_.ids(k), kept);
+    }
+
+    std::size_t count() const { return packed_.count; }
+    HWY_INLINE V3 origin(std::size_t) const { return origin_; }
+    HWY_INLINE V3 direction(std::size_t k) const {
+        const V3 w = packed_.vector(0, k);
+        return carry_(w.x, w.y, w.z);
+    }
+    HWY_INLINE VI ids(std::size_t k) const { return packed_.ids(k); }
+
+  private:
+    Packed<3> packed_;
+    V3 origin_;
+    M3 carry_;
+};
+
+// Where a kind of lookup takes place: the map from the world to the space where its sphere is the unit sphere.
+struct UnitSpace {
+    glm::mat3 to_unit;
+    glm::vec3 offset;
+};
+
+// Rays with an origin each, carried into the unit sphere's space. `always_leave`: rays that start beside the box and
+// lead away are dropped wherever they start, not only inside the sphere.
+class OwnRays {
+  public:
+    HWY_INLINE OwnRays(const UnitSpace& space, const Instance& instance, bool always_leave, const RayBlock& rays,
+                       const std::uint8_t* blocked) {
+        const F f;
+        const M3 to_unit(space.to_unit), to_box(instance.to_unit);
+        const V3 offset = set(space.offset), box_offset = set(instance.unit_offset - instance.box_centre);
+        const glm::vec3 half = (1 - 1e-4f) * instance.box_half;  // LeavingBox's contact
+        const VF zero = hn::Zero(f), one = set(1), almost = set(0.999f);  // the chord knows
+        for (std::size_t i = 0; i < rays.count; i += hn::Lanes(f)) {
+            const VF x = hn::LoadU(f, rays.x + i), y = hn::LoadU(f, rays.y + i), z = hn::LoadU(f, rays.z + i);
+            const VF ox = hn::LoadU(f, rays.origin_x + i), oy = hn::LoadU(f, rays.origin_y + i),
+                     oz = hn::LoadU(f, rays.origin_z + i);
+            const V3 d = to_unit(x, y, z), o = along(to_unit(ox, oy, oz), one, offset);
+            const VF outside = hn::Sub(dot(o, o), one), approach = dot(o, d);
+            const MF ahead = hn::And(hn::Lt(approach, zero),
+                                     hn::Gt(hn::Mul(approach, approach), hn::Mul(hn::Mul(dot(d, d), outside), almost)));
+            const MF inside = hn::Le(outside, zero);
+            MF kept = hn::And(open_lanes(blocked, i, rays.count), hn::Or(ahead, inside));
+            if (hn::AllFalse(f, kept)) continue;
+            const V3 p = along(to_box(ox, oy, oz), one, box_offset), w = to_box(x, y, z);
+            const auto leaves = [zero](VF place, VF direction, float size) HWY_ATTR {
+                return hn::And(hn::Ge(hn::Abs(place), set(size)), hn::Gt(hn::Mul(place, direction), zero));
+            };
+            const MF leaving = hn::Or(leaves(p.x, w.x, half.x), hn::Or(leaves(p.y, w.y, half.y), leaves(p.z, w.z, half.z)));
+            kept = hn::And(kept, hn::Not(always_leave ? leaving : hn::And(inside, leaving)));
+            packed_.add({o.x, o.y, o.z, d.x, d.y, d.z}, hn::Iota(I(), static_cast<std::int32_t>(i)), kept);
+        }
+    }
+
+    explicit HWY_INLINE OwnRays(const OwnRays&, int) {}
+    HWY_INLINE void add(const OwnRays& other, std::size_t k, MF kept) {
+        const V3 o = other.origin(k), d = other.direction(k);
+        packed_.add({o.x, o.y, o.z, d.x, d.y, d.z}, other.ids(k), kept);
+    }
+
+    std::size_t count() const { return packed_.count; }
+    HWY_INLINE V3 origin(std::size_t k) const { return packed_.vector(0, k); }
+    HWY_INLINE V3 direction(std::size_t k) const { return packed_.vector(3, k); }
+    HWY_INLINE VI ids(std::size_t k) const { return packed_.ids(k); }
+
+  private:
+    Packed<6> packed_;
+};
+
+// Marks the rays whose lanes hit.
+HWY_INLINE void mark(VI ids, MF hits, std::uint8_t* blocked) {
+    alignas(64) std::int32_t list[hn::MaxLanes(I())];
+    hn::Store(hn::Compress(ids, hn::RebindMask(I(), hits)), I(), list);
+    const std::size_t count = hn::CountTrue(F(), hits);
+    for (std::size_t k = 0; k < count; ++k) blocked[list[k]] = 1;
+}
+
+// nearest[id] becomes the smaller of itself and t.
+HWY_INLINE void lower(VI ids, MF hits, VF t, float* nearest) {
+    alignas(64) std::int32_t list[hn::MaxLanes(I())];
+    alignas(64) float values[hn::MaxLanes(F())];
+    hn::Store(hn::Compress(ids, hn::RebindMask(I(), hits)), I(), list);
+    hn::Store(hn::Compress(t, hits), F(), values);
+    const std::size_t count = hn::CountTrue(F(), hits);
+    for (std::size_t k = 0; k < count; ++k) nearest[list[k]] = std::min(nearest[list[k]], values[k]);
+}
+
+}  // namespace dfield::runtime::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,147 @@
+// Lookups in displacement maps. Seen once a target.
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "rays/cull-inl.hpp"
+#include "rays/kernels.hpp"
+#include "rays/map_lookup-inl.hpp"
+
+#if defined(DFIELD_RAYS_MAP_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef DFIELD_RAYS_MAP_KERNELS_INL
+#undef DFIELD_RAYS_MAP_KERNELS_INL
+#else
+#define DFIELD_RAYS_MAP_KERNELS_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace dfield::runtime::HWY_NAMESPACE {
+
+// Other layouts and bit depths are experiments of the paper: the plain path looks them up.
+inline bool has_map_kernel(const dfield_field& field) {
+    const FieldParameters& parameters = field.maps.parameters;
+    return std::endian::native == std::endian::little && parameters.positions == Positions::kSlater &&
+           parameters.mapping == Mapping::kConcentric && (parameters.bits == 1 || parameters.bits == 8);
+}
+
+// What texels hold.
+struct MapHits {
+    MF hit;
+    VF t;
+};
+
+// The field's arrays can be read three bytes past their end.
+template<int kBits>
+HWY_INLINE MapHits read_texels(const dfield_field& field, const Probes& probes) {
+    const I i;
+    const auto* const texels = reinterpret_cast<const std::int32_t*>(field.maps.texels.data());
+    if constexpr (kBits == 8) {
+        const VI value = hn::And(hn::GatherOffset(i, texels, probes.texel), hn::Set(i, 255));
+        return {hn::RebindMask(F(), hn::Ne(value, hn::Set(i, kMiss8))),
+                hn::MulAdd(hn::ConvertTo(F(), value), hn::Mul(probes.scale, set(2 / 254.0f)), probes.base)};
+    } else {
+        const hn::RebindToUnsigned<I> u;
+        const VI word = hn::GatherOffset(i, texels, hn::ShiftRight<3>(probes.texel));
+        const auto bit = hn::Shl(hn::Set(u, 1), hn::BitCast(u, hn::And(probes.texel, hn::Set(i, 7))));
+        const auto* const depths = reinterpret_cast<const std::int32_t*>(field.maps.mean_depth.data());
+        const VI raw =
+            hn::And(hn::GatherOffset(i, depths, hn::ShiftLeft<1>(probes.map)), hn::Set(i, 65535));
+        // hit_parameter's mean depth along the normal, carried along the ray.
+        const VF depth = hn::Mul(hn::ConvertTo(F(), raw), set(2 / 65535.0f)), cosine = probes.cosine;
+        const VF distance = hn::Div(hn::Min(depth, hn::Mul(hn::Add(cosine, cosine), cosine)),
+                                    hn::Max(cosine, set(1e-6f)));
+        return {hn::RebindMask(F(), hn::TestBit(hn::BitCast(u, word), bit)),
+                hn::MulAdd(distance, probes.scale, probes.base)};
+    }
+}
+
+template<int kBits, class Rays>
+HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float least, bool in_front,
+                             std::uint8_t* blocked) {
+    const F f;
+    const MapField maps(field);
+    const VF minimum = set(least);
+    const MF front = in_front ? hn::Eq(minimum, minimum) : hn::Ne(minimum, minimum);
+    for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
+        const Chords chord(rays.origin(k), rays.direction(k));
+        const MF inside = hn::FirstN(f, rays.count() - k);
+        const MF valid = hn::And(inside, hn::And(chord.valid, hn::Gt(chord.t_out(), minimum)));
+        // From outside the sphere every hit is ahead. From inside the exit point is asked, looking back.
+        const MF outside = hn::Ge(chord.t_in(), minimum);
+        const Probes probes = probe(maps, chord, hn::Not(outside), valid);
+        const MapHits found = read_texels<kBits>(field, probes);
+        const MF ahead = hn::Or(hn::Or(front, outside), hn::Gt(found.t, minimum));
+        mark(rays.ids(k), hn::And(valid, hn::And(found.hit, ahead)), blocked);
+    }
+}
+
+template<int kBits, class Rays>
+HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front, float* nearest) {
+    const F f;
+    const MapField maps(field);
+    const VF zero = set(0), minimum = set(in_front ? 0 : least);
+    const MF none = hn::Ne(zero, zero);
+    Rays again(rays, 0);  // the first hit lies behind the origin: the last one is asked for
+    for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
+        const Chords chord(rays.origin(k), rays.direction(k));
+        const MF inside = hn::FirstN(f, rays.count() - k);
+        const MF valid = hn::And(inside, hn::And(chord.valid, hn::Gt(chord.t_out(), zero)));
+        const MapHits found = read_texels<kBits>(field, probe(maps, chord, none, valid));
+        const MF hit = hn::And(valid, found.hit);
+        const VF t = hn::Max(found.t, in_front ? zero : hn::IfThenElse(hn::Ge(chord.t_in(), zero), chord.t_in(), found.t));
+        lower(rays.ids(k), hn::And(hit, hn::Ge(t, minimum)), t, nearest);
+        const MF behind = hn::And(hit, hn::Lt(t, zero));
+        if (!hn::AllFalse(f, behind)) again.add(rays, k, behind);
+    }
+    for (std::size_t k = 0; k < again.count(); k += hn::Lanes(f)) {
+        const Chords chord(again.origin(k), again.direction(k));
+        const MF valid = hn::FirstN(f, again.count() - k);
+        const MapHits found = read_texels<kBits>(field, probe(maps, chord, hn::Not(none), valid));
+        const MF ahead = hn::And(hn::Gt(found.t, zero), hn::Ge(found.t, minimum));
+        lower(again.ids(k), hn::And(hn::And(valid, found.hit), ahead), found.t, nearest);
+    }
+}
+
+template<class Rays>
+HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float least, bool in_front,
+                             std::uint8_t* blocked) {
+    field.maps.parameters.bits == 8 ? any_map_hits<8>(field, rays, least, in_front, blocked)
+                                    : any_map_hits<1>(field, rays, least, in_front, blocked);
+}
+template<class Rays>
+HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front, float* nearest) {
+    field.maps.parameters.bits == 8 ? map_distances<8>(field, rays, least, in_front, nearest)
+                                    : map_distances<1>(field, rays, least, in_front, nearest);
+}
+
+// What RayKernels wants.
+void maps_any_hits(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
+                   std::uint8_t* blocked) {
+    if (!has_map_kernel(*query.field)) return kRayLookupsReference.maps.any_hits(query, x, y, z, count, blocked);
+    const SharedRays rays(query, x, y, z, count, blocked);
+    any_map_hits(*query.field, rays, query.minimum, query.in_front, blocked);
+}
+
+void maps_distances(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
+                    float* nearest) {
+    if (!has_map_kernel(*query.field)) return kRayLookupsReference.maps.distances(query, x, y, z, count, nearest);
+    const SharedRays rays(query, x, y, z, count, nullptr);
+    map_distances(*query.field, rays, query.minimum, query.in_front, nearest);
+}
+
+void maps_ray_any_hits(const Instance& instance, const RayBlock& block, std::uint8_t* blocked) {
+    if (!has_map_kernel(*instance.field)) return kRayLookupsReference.maps.ray_any_hits(instance, block, blocked);
+    const OwnRays rays({instance.to_unit, instance.unit_offset}, instance, true, block, blocked);
+    any_map_hits(*instance.field, rays, 0, false, blocked);
+}
+
+void maps_ray_distances(const Instance& instance, const RayBlock& block, float* nearest) {
+    if (!has_map_kernel(*instance.field)) return kRayLookupsReference.maps.ray_distances(instance, block, nearest);
+    const OwnRays rays({instance.to_unit, instance.unit_offset}, instance, true, block, nullptr);
+    map_distances(*instance.field, rays, 0, false, nearest);
+}
+
+}  // namespace dfield::runtime::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,373 @@
+// Updates of a receiver set where direction maps answer: receiver_set.hpp says how.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+
+#include "receiver_set.hpp"
+
+namespace dfield::runtime {
+namespace {
+
+glm::vec3 direction_of(const Slab& slab, std::size_t k) {
+    const std::size_t at = slab.first + k;
+    return {slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]};
+}
+
+std::size_t groups_of(const Chunk& chunk) {
+    return (chunk.blocks + 15) / 16;
+}
+
+// The pairs of `facing` that `keep`(k, group) lets through.
+template<class Keep>
+void restrict_facing(const Chunk& chunk, const Slab& slab, const ChunkFacing& facing, const Keep& keep,
+                     ChunkFacing& result) {
+    result.clusters = 0;
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        std::uint32_t any = 0;
+        for (std::size_t group = 0; group < groups_of(chunk); ++group)
+            any |= result.rows[k][group] = static_cast<std::uint16_t>(facing.rows[k][group] & keep(k, group));
+        if (any != 0) result.clusters |= 1u << k / kClusterSize;
+    }
+}
+
+// A ball around some receivers.
+struct Ball {
+    glm::vec3 centre;
+    float radius;
+};
+Ball ball_of(const glm::vec3& low, const glm::vec3& high) {
+    return {0.5f * (low + high), 0.5f * glm::length(high - low)};
+}
+
+// Of each sixteen blocks.
+std::array<Ball, kChunkBlocks / 16> group_balls(const Chunk& chunk) {
+    std::array<Ball, kChunkBlocks / 16> balls;
+    for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+        glm::vec3 low(INFINITY), high(-INFINITY);
+        for (std::size_t b = 16 * group; b < std::min(16 * group + 16, chunk.blocks); ++b) {
+            const glm::vec3 centre(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
+            const glm::vec3 half(chunk.half_x[b], chunk.half_y[b], chunk.half_z[b]);
+            low = glm::min(low, centre - half);
+            high = glm::max(high, centre + half);
+        }
+        balls[group] = ball_of(low, high);
+    }
+    return balls;
+}
+
+// Whether a line from a ball along a direction of the cluster may come near the caster. A line has no sense.
+bool may_meet(const Ball& ball, const DirectionCluster& cluster, const DirectionCaster& caster) {
+    const glm::vec3 away = caster.centre - ball.centre;
+    const float square = glm::dot(away, away), near = 1.001f * (caster.reach + ball.radius);
+    if (cluster.cosine <= 0 || near * near >= square) return true;
+    // The angle to the cluster's axis is at most the cluster's own plus the one that both balls are seen under.
+    const float bound = cluster.cosine * std::sqrt(square - near * near) - cluster.sine * near;
+    return std::fabs(glm::dot(cluster.axis, away)) >= bound - 1e-4f * std::sqrt(square);
+}
+
+// Calls use(k) for the directions of some clusters.
+template<class Use>
+void for_directions(std::uint32_t clusters, const Use& use) {
+    for (; clusters != 0; clusters &= clusters - 1) {
+        const std::size_t first = std::countr_zero(clusters) * kClusterSize;
+        for (std::size_t k = first; k < first + kClusterSize; ++k) use(k);
+    }
+}
+
+// Of `facing`, the pairs with a line that may come near a caster: by clusters and groups of blocks.
+void find_near(const Chunk& chunk, const Slab& slab, const ChunkFacing& facing,
+               std::span<const DirectionCaster> casters, ChunkFacing& result) {
+    const Ball whole = ball_of(chunk.low, chunk.high);
+    const std::array<Ball, kChunkBlocks / 16> balls = group_balls(chunk);
+    result.clusters = 0;
+    for (std::uint32_t rest = facing.clusters; rest != 0; rest &= rest - 1) {
+        const auto c = static_cast<std::size_t>(std::countr_zero(rest));
+        const DirectionCluster& cluster = slab.shared.clusters[slab.first / kClusterSize + c];
+        std::uint32_t groups = 0;
+        for (const DirectionCaster& caster : casters) {
+            if (!may_meet(whole, cluster, caster)) continue;
+            for (std::size_t group = 0; group < groups_of(chunk); ++group)
+                groups |= std::uint32_t{may_meet(balls[group], cluster, caster)} << group;
+        }
+        if (groups == 0) continue;
+        result.clusters |= 1u << c;
+        for (std::size_t k = c * kClusterSize; k < (c + 1) * kClusterSize; ++k)
+            for (std::size_t group = 0; group < groups_of(chunk); ++group)
+                result.rows[k][group] = groups >> group & 1 ? facing.rows[k][group] : std::uint16_t{0};
+    }
+}
+
+// Of `asked`, the words of the masks that are not 0.
+void find_touched(const Chunk& chunk, const ChunkFacing& asked, const ChunkMasks& masks, ChunkFacing& touched) {
+    touched.clusters = asked.clusters;
+    for_directions(asked.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+            touched.rows[k][group] = 0;
+            if (asked.rows[k][group] == 0) continue;
+            const std::uint16_t* const words = &masks.rows[k][16 * group];
+            std::array<std::uint64_t, 4> fours;
+            std::memcpy(fours.data(), words, sizeof fours);
+            if ((fours[0] | fours[1] | fours[2] | fours[3]) == 0) continue;
+            std::uint32_t bits = 0;
+            for (int i = 0; i < 16; ++i) bits |= std::uint32_t{words[i] != 0} << i;
+            touched.rows[k][group] = static_cast<std::uint16_t>(bits);
+        }
+    });
+}
+
+// Takes out of `asked` the words that are all blocked.
+void keep_open(const Chunk& chunk, const ChunkMasks& masks, ChunkFacing& asked) {
+    for_directions(asked.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+            if (asked.rows[k][group] == 0) continue;
+            std::uint32_t bits = 0;
+            for (std::size_t i = 16 * group; i < 16 * group + 16; ++i)
+                bits |= std::uint32_t{masks.rows[k][i] != chunk.lanes[i]} << i % 16;
+            asked.rows[k][group] &= static_cast<std::uint16_t>(bits);
+        }
+    });
+}
+
+// Calls use(k, block) for touched words.
+template<class Use>
+void for_touched(const Chunk& chunk, const ChunkFacing& touched, const Use& use) {
+    for_directions(touched.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < groups_of(chunk); ++group)
+            for (std::uint32_t rest = touched.rows[k][group]; rest != 0; rest &= rest - 1)
+                use(k, 16 * group + std::countr_zero(rest));
+    });
+}
+
+void clear(const Chunk& chunk, const ChunkFacing& touched, ChunkMasks& masks) {
+    for_touched(chunk, touched, [&](std::size_t k, std::size_t block) { masks.rows[k][block] = 0; });
+}
+
+// Lanes that a receiver was given for.
+std::uint16_t lanes_of(const SetChunk& chunk, std::size_t block) {
+    std::uint32_t lanes = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+        lanes |= std::uint32_t{chunk.receiver[block * kLanes + lane] != kNoReceiver} << lane;
+    return static_cast<std::uint16_t>(lanes);
+}
+
+}  // namespace
+}  // namespace dfield::runtime
+
+using namespace dfield::runtime;
+
+void dfield_receiver_set::update_batched(std::size_t index, const SceneState& now, const SceneChanges& changes,
+                                         UpdateScratch& scratch) {
+    SetChunk& chunk = chunks_[index];
+    for (std::size_t block = 0; block < chunk.chunk.blocks; ++block)
+        if (changes.all || (chunk.moved[block / 16] >> block % 16 & 1))
+            chunk.computed[block] = chunk.changed[block] = lanes_of(chunk, block);
+    for (std::size_t s = 0; s < slab_count(); ++s) {
+        const std::size_t first = s * kSlab;
+        const Slab slab{ao_->shared, first, std::min(kSlab, ao_->shared.padded() - first)};
+        update_slab(chunk, slabs_[index * slab_count() + s], slab, now, changes, scratch);
+    }
+    store_visibility(chunk, index);
+}
+
+void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, const Slab& slab, const SceneState& now,
+                                      const SceneChanges& changes, UpdateScratch& scratch) {
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
+    const Chunk& chunk = set_chunk.chunk;
+    ChunkMasks& masks = state.masks;
+    const bool moved = set_chunk.moved != BlockSet{};
+    if (changes.all || moved) {
+        kernels.find_facing(chunk, slab, state.facing);
+        // What the ground blocks needs no caster.
+        if (now.ground)
+            restrict_facing(
+                chunk, slab, state.facing,
+                [&](std::size_t k, std::size_t) {
+                    return glm::dot(now.ground->normal, direction_of(slab, k)) < 0 ? 0 : 0xffff;
+                },
+                state.facing);
+    }
+    const auto add_active = [&](const ChunkFacing& facing) {
+        if (now.ground) add_ground(*now.ground, slab, chunk, masks);
+        for (const dfield_instance id : now.active)
+            kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, facing, masks);
+    };
+    if (changes.all) {
+        masks.clear(chunk, slab.count);
+        return add_active(state.facing);
+    }
+    const auto restrict_to = [&](std::uint16_t flip) {
+        restrict_facing(
+            chunk, slab, state.facing, [&](std::size_t, std::size_t group) { return set_chunk.moved[group] ^ flip; },
+            scratch.still);
+    };
+    const ChunkFacing* still = &state.facing;
+    if (moved) {
+        restrict_to(0xffff);
+        still = &scratch.still;
+    }
+
+    // What changed instances blocked is taken out.
+    const auto add_changed = [&](std::span<const DirectionCaster> casters, ChunkMasks& found, ChunkFacing& touched) {
+        for (const DirectionCaster& caster : casters) kernels.add_caster(caster, slab, chunk, scratch.again, found);
+        find_touched(chunk, scratch.again, found, touched);
+    };
+    find_near(chunk, slab, *still, casters_before_, scratch.again);
+    add_changed(casters_before_, scratch.before, scratch.before_touched);
+    for_touched(chunk, scratch.before_touched, [&](std::size_t k, std::size_t block) {
+        masks.rows[k][block] &= static_cast<std::uint16_t>(~scratch.before.rows[k][block]);
+    });
+    // What they block now is put in, where not all is blocked anyway.
+    find_near(chunk, slab, *still, casters_now_, scratch.again);
+    keep_open(chunk, masks, scratch.again);
+    add_changed(casters_now_, scratch.now, scratch.now_touched);
+    for_touched(chunk, scratch.now_touched, [&](std::size_t k, std::size_t block) {
+        const std::uint16_t bits = scratch.now.rows[k][block];
+        const std::uint32_t old = masks.rows[k][block] | scratch.before.rows[k][block];
+        masks.rows[k][block] |= bits;
+        set_chunk.computed[block] |= bits;
+        set_chunk.changed[block] |= static_cast<std::uint16_t>(bits & ~old);
+    });
+    // What is left may still be blocked by others.
+    scratch.again.clusters = 0;
+    for_directions(scratch.before_touched.clusters, [&](std::size_t k) { scratch.again.rows[k].fill(0); });
+    for_touched(chunk, scratch.before_touched, [&](std::size_t k, std::size_t block) {
+        if ((scratch.before.rows[k][block] & ~masks.rows[k][block]) == 0) return;
+        scratch.again.rows[k][block / 16] |= static_cast<std::uint16_t>(1u << block % 16);
+        scratch.again.clusters |= 1u << k / kClusterSize;
+    });
+    if (scratch.again.clusters != 0) ask_again(chunk, masks, slab, now, changes, scratch);
+    for_touched(chunk, scratch.before_touched, [&](std::size_t k, std::size_t block) {
+        const std::uint16_t bits = scratch.before.rows[k][block];
+        set_chunk.computed[block] |= bits;
+        set_chunk.changed[block] |= static_cast<std::uint16_t>(bits & ~masks.rows[k][block]);
+    });
+    clear(chunk, scratch.before_touched, scratch.before);
+    clear(chunk, scratch.now_touched, scratch.now);
+
+    // Blocks in a new place, from nothing.
+    if (!moved) return;
+    for (std::size_t k = 0; k < slab.count; ++k)
+        for (std::size_t block = 0; block < chunk.blocks; ++block)
+            if (set_chunk.moved[block / 16] >> block % 16 & 1) masks.rows[k][block] = 0;
+    restrict_to(0);
+    add_active(scratch.still);
+}
+
+// Lets the unchanged instances block again, among the pairs of scratch.again. For each of their directions the lines fill
+// a prism, the ball around the blocks swept along it; all of them lie in a cone around the mean direction. Instances
+// that stay clear of the cone are left out, others are asked for the clusters alone whose prisms they meet, those that
+// look largest first, since words that are as they were need no more. A line has no sense.
+void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const Slab& slab, const SceneState& now,
+                                    const SceneChanges& changes, UpdateScratch& scratch) const {
+    struct Prism {
+        glm::vec3 direction, middle;
+        float radius;
+        std::uint32_t k;
+    };
+    ChunkFacing& pairs = scratch.again;
+    std::array<Prism, kSlab> prisms;
+    std::size_t count = 0;
+    glm::vec3 axis(0), low(INFINITY), high(-INFINITY);
+    for_directions(pairs.clusters, [&](std::size_t k) {
+        glm::vec3 prism_low(INFINITY), prism_high(-INFINITY);
+        for (std::size_t group = 0; group < groups_of(chunk); ++group)
+            for (std::uint32_t rest = pairs.rows[k][group]; rest != 0; rest &= rest - 1) {
+                const std::size_t b = 16 * group + std::countr_zero(rest);
+                const glm::vec3 centre(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
+                const glm::vec3 half(chunk.half_x[b], chunk.half_y[b], chunk.half_z[b]);
+                prism_low = glm::min(prism_low, centre - half);
+                prism_high = glm::max(prism_high, centre + half);
+            }
+        if (!(prism_low.x <= prism_high.x)) return;
+        const glm::vec3 w = direction_of(slab, k);
+        prisms[count++] = {w, 0.5f * (prism_low + prism_high), 0.5f * glm::length(prism_high - prism_low),
+                           static_cast<std::uint32_t>(k)};
+        axis += w;
+        low = glm::min(low, prism_low);
+        high = glm::max(high, prism_high);
+    });
+    const float length = glm::length(axis);
+    axis = length > 1e-3f ? axis / length : glm::vec3(0, 0, 1);
+    float cosine = 1;
+    for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, glm::dot(axis, prisms[i].direction));
+    const glm::vec3 middle = 0.5f * (low + high);
+    const float radius = 0.5f * glm::length(high - low), sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+    constexpr float kMargin = 1.0001f;
+    scratch.candidates.clear();
+    for (const dfield_instance id : now.active) {
+        const Reach& reach = reaches_[id];
+        const glm::vec3 away = reach.centre - middle;
+        const float square = glm::dot(away, away), near = kMargin * (reach.radius + radius);
+        if (cosine > 0 && near * near < square) {
+            // The angle to the axis is at most the cone's plus the one that the instance is seen under.
+            const float bound = cosine * std::sqrt(square - near * near) - sine * near;
+            if (std::fabs(glm::dot(axis, away)) < bound - 1e-4f * std::sqrt(square)) continue;
+        }
+        if (id < changes.changed.size() && changes.changed[id]) continue;
+        scratch.candidates.emplace_back(square / (reach.radius * reach.radius), id);
+    }
+    std::sort(scratch.candidates.begin(), scratch.candidates.end());
+
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
+    for (const auto& [order, id] : scratch.candidates) {
+        const Reach& reach = reaches_[id];
+        pairs.clusters = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Prism& prism = prisms[i];
+            if (pairs.clusters >> prism.k / kClusterSize & 1) continue;
+            const glm::vec3 offset = reach.centre - prism.middle;
+            const float along = glm::dot(offset, prism.direction), close = kMargin * (reach.radius + prism.radius);
+            if (glm::dot(offset, offset) * 0.999999f - along * along <= close * close)
+                pairs.clusters |= 1u << prism.k / kClusterSize;
+        }
+        if (pairs.clusters == 0) continue;
+        kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks);
+        std::size_t left = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t k = prisms[i].k;
+            std::uint32_t open = 1;
+            if (pairs.clusters >> k / kClusterSize & 1) {
+                open = 0;
+                for (std::size_t group = 0; group < groups_of(chunk); ++group)
+                    for (std::uint32_t rest = pairs.rows[k][group]; rest != 0; rest &= rest - 1) {
+                        const std::size_t b = 16 * group + std::countr_zero(rest);
+                        if (scratch.before.rows[k][b] & ~masks.rows[k][b])
+                            open = 1;
+                        else
+                            pairs.rows[k][group] &= static_cast<std::uint16_t>(~(rest & -rest));
+                    }
+            }
+            prisms[left] = prisms[i];
+            left += open;
+        }
+        count = left;
+        if (count == 0) return;
+    }
+}
+
+// Of blocks with changed lanes, as batch_visibility.
+void dfield_receiver_set::store_visibility(const SetChunk& set_chunk, std::size_t index) {
+    const Chunk& chunk = set_chunk.chunk;
+    if (std::all_of(set_chunk.changed.begin(), set_chunk.changed.end(), [](std::uint16_t lanes) { return lanes == 0; }))
+        return;
+    alignas(64) std::array<float, kChunkReceivers> values;
+    std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
+    for (std::size_t s = 0; s < slab_count(); ++s) {
+        const std::size_t first = s * kSlab;
+        const Slab slab{ao_->shared, first, std::min(kSlab, ao_->shared.padded() - first)};
+        kernels.add_occluded(slab, chunk, slabs_[index * slab_count() + s].masks, values.data());
+    }
+    kernels.finish_visibility(ao_->shared, chunk, values.data());
+    for (std::size_t b = 0; b < chunk.blocks; ++b) {
+        if (set_chunk.changed[b] == 0) continue;
+        for (std::size_t i = b * kLanes; i < (b + 1) * kLanes; ++i) {
+            const std::uint32_t receiver = set_chunk.receiver[i];
+            if (receiver == kNoReceiver) continue;
+            const bool placed = chunk.lanes[b] >> i % kLanes & 1;
+            visibility[receiver] = (placed ? values[i] : 1.0f) * receivers_[receiver].self_visibility;
+        }
+    }
+}

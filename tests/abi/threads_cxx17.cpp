@@ -1,0 +1,1 @@
+#include <dfield/threads.hpp>

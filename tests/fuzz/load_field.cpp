@@ -1,0 +1,90 @@
+// libFuzzer: .dfield files behind right checksums, and the raw bytes of line tables and direction maps.
+// Whatever is accepted must be a field that the writer accepts, and come back the same.
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "format/bytes.hpp"
+#include "format/file.hpp"
+#include "format/hash.hpp"
+#include "format/layout.hpp"
+#include "format/sections.hpp"
+#include "format/writer.hpp"
+
+namespace {
+
+using namespace dfield;
+using Bytes = std::vector<std::byte>;
+
+constexpr ReadLimits kLimits{.max_texel_bytes = 1 << 14,
+                             .max_self_vertices = 1 << 10,
+                             .max_line_bytes = 1 << 12,
+                             .max_direction_bytes = 1 << 13};
+
+void require(bool condition) {
+    if (!condition) std::abort();
+}
+
+// Right checksums of the header and of the sections that lie within the file, or no mutation would get far.
+void seal(Bytes& bytes) {
+    if (bytes.size() < layout::kHeaderBytes) return;
+    store_le(&bytes[layout::kFileBytesAt], std::uint64_t{bytes.size()});
+    const std::uint32_t count = load_le<std::uint32_t>(&bytes[layout::kSectionCountAt]);
+    if (count > (bytes.size() - layout::kHeaderBytes) / layout::kEntryBytes) return;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        std::byte* entry = &bytes[layout::kHeaderBytes + i * layout::kEntryBytes];
+        const std::uint64_t offset = load_le<std::uint64_t>(entry + layout::kEntryOffsetAt);
+        const std::uint64_t size = load_le<std::uint64_t>(entry + layout::kEntryStoredAt);
+        if (offset <= bytes.size() && size <= bytes.size() - offset)
+            store_le(entry + layout::kEntryChecksumAt,
+                     checksum64(std::span<const std::byte>(bytes).subspan(offset, size)));
+    }
+    store_le(&bytes[layout::kHeaderChecksumAt], header_checksum(bytes, count));
+}
+
+void try_file(Bytes bytes) {
+    seal(bytes);
+    bool valid = true;
+    for (const Finding& finding : validate_file(bytes, kLimits))
+        valid = valid && finding.severity == Finding::Severity::kWarning;
+    try {
+        const DisplacementField field = read_field(bytes, {kLimits});
+        require(valid);
+        require(payload_hash(read_field(write_field(field, {.zstd_level = 1}))) == payload_hash(field));
+    } catch (const FormatError&) {
+        require(!valid);
+    }
+}
+
+// A section with the hash that its content has, so that what decodes is accepted.
+template<class Table, class Decode, class Encode>
+void try_section(Bytes raw, std::size_t header_bytes, const Decode& decode, const Encode& encode) {
+    if (raw.size() < header_bytes) return;
+    Table table;
+    const auto error = decode(raw, kLimits.max_direction_bytes, table, std::pmr::get_default_resource());
+    if (error && error->code != FormatErrorCode::kPayloadHash) return;
+    const Bytes again = encode(table);
+    Table same;
+    require(!decode(again, kLimits.max_direction_bytes, same, std::pmr::get_default_resource()));
+    require(encode(same) == again);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    Bytes bytes(size);
+    if (size > 0) std::memcpy(bytes.data(), data, size);
+    if (size >= layout::kMagic.size() &&
+        std::memcmp(data, layout::kMagic.data(), layout::kMagic.size()) == 0) {
+        try_file(std::move(bytes));
+    } else if (size > 0) {
+        const bool lines = data[0] % 2 == 0;
+        bytes.erase(bytes.begin());
+        if (lines)
+            try_section<LineTable>(std::move(bytes), layout::kLineHeaderBytes, decode_lines, encode_lines);
+        else
+            try_section<DirectionMaps>(std::move(bytes), layout::kDirectionHeaderBytes, decode_directions,
+                                       encode_directions);
+    }
+    return 0;
+}
