@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t kSharedRays = 512;  // over the whole sphere: half of them face a vertex
+constexpr std::uint32_t kDirectionDepth = 16;
 
 struct AoCommand {
     fs::path scene, output, image, cache;
@@ -160,9 +161,11 @@ void run(AoCommand& command) {
         for (const float value : values) mean += value;
     mean /= static_cast<double>(std::max<std::size_t>(visibility.vertices, 1));
     const auto& target = command.common.json;
+    const std::string answered =
+        command.method == "rays" ? "rays" : "lookup (" + visibility.kind + ")";
     say(target, text("%s: %zu vertices of %zu instances of %zu meshes by %s, mean visibility %.3f",
                      command.output.string().c_str(), visibility.vertices, scene.instances.size(),
-                     scene.meshes.size(), command.method.c_str(), mean));
+                     scene.meshes.size(), answered.c_str(), mean));
     say(target,
         text("%zu fields baked, %zu from the cache (%.2f s); self-occlusion %.2f s; visibility %.3f s",
              visibility.baked, visibility.from_cache, visibility.bake_seconds, visibility.self_seconds,
@@ -227,14 +230,25 @@ void add_ao_command(CLI::App& app, ExitCode&) {
         ->capture_default_str()
         ->check(number_between(0, 180));
     add_ao_options(*ao, command->ao);
+    // Vertices of a scene stand among its objects: tangent planes cut them.
+    command->plan_options.directions.depth_size = kDirectionDepth;
     add_plan_options(*ao, command->plan_options);
+    ao->get_option("--kind")->description(
+        "What is baked and looked up: maps (displacement maps), lines (a line table), directions (direction maps, "
+        "with directions that all vertices share), or auto: directions, the most accurate and the fastest here; maps "
+        "where --max-distance, --falloff or --bias ask for distances, where more rays are wanted than vertices can "
+        "share (4096), or where a flag of the displacement maps is given");
+    ao->get_option("--rays")
+        ->default_str("256; 512 with direction maps")
+        ->description("Rays a vertex, cosine-weighted; a square number gives a grid. With direction maps: the "
+                      "directions over the whole sphere that all vertices share");
     ao->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
     ao->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_common_options(*ao, command->common, "all cores");
     ao->footer(
         "Each distinct mesh is baked once, however many nodes use it. Occlusion by other objects is looked "
         "up; an\n"
-        "object's own is ray cast once a vertex and multiplied in.");
+        "object's own is ray cast. With direction maps the two are united ray by ray, otherwise multiplied.");
     ao->callback([command, ao, ground] {
         command->has_ground = ground->count() > 0;
         choose_kind(*command, *ao);

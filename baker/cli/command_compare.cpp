@@ -281,6 +281,9 @@ void add_compare_command(CLI::App& app, ExitCode&) {
     compare->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
     compare->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_plan_options(*compare, command->options);
+    compare->get_option("--kind")->description(
+        "What is looked up: maps (displacement maps), lines (a line table) or directions (direction maps); auto: maps, "
+        "or with --budget the best");
     add_budget_option(*compare, command->budget);
     compare->get_option("--budget")->excludes("--field");
     add_common_options(*compare, command->common, "1");

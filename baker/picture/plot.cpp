@@ -20,7 +20,7 @@ using glm::dvec2;
 
 constexpr std::uint32_t kScale = 2;  // of letters
 constexpr double kLetter = kScale * kFontAdvance, kLine = kScale * kFontLine, kGap = 8;
-constexpr double kLetterHeight = kScale * 7;  // of capitals
+constexpr double kLetterHeight = kScale * 7;    // of capitals
 constexpr double kMarker = 6.5, kStroke = 1.1;  // radius and half width, pixels
 constexpr glm::u8vec3 kFrame{90, 90, 90}, kGrid{222, 222, 222};
 
@@ -30,7 +30,8 @@ struct Rectangle {
         return low.x < other.high.x && other.low.x < high.x && low.y < other.high.y && other.low.y < high.y;
     }
     bool holds(const Rectangle& other) const {
-        return low.x <= other.low.x && low.y <= other.low.y && other.high.x <= high.x && other.high.y <= high.y;
+        return low.x <= other.low.x && low.y <= other.low.y && other.high.x <= high.x &&
+               other.high.y <= high.y;
     }
 };
 
@@ -47,25 +48,29 @@ std::string short_number(double value) {
     return buffer.data() + std::string(kSuffixes[suffix]);
 }
 
-// Fills what `inside` says (its value is the coverage of a pixel's middle, beyond 0 and 1 cut off) within a box.
+// Fills what `inside` says (its value is the coverage of a pixel's middle, beyond 0 and 1 cut off) within a
+// box.
 template<class Inside>
-void fill(Image& image, const dvec2& low, const dvec2& high, const glm::u8vec3& colour, const Inside& inside) {
+void fill(Image& image, const dvec2& low, const dvec2& high, const glm::u8vec3& colour,
+          const Inside& inside) {
     const auto first_x = static_cast<std::int64_t>(std::max(0.0, std::floor(low.x)));
     const auto first_y = static_cast<std::int64_t>(std::max(0.0, std::floor(low.y)));
     const auto last_x = std::min<std::int64_t>(image.width - 1, static_cast<std::int64_t>(std::ceil(high.x)));
-    const auto last_y = std::min<std::int64_t>(image.height - 1, static_cast<std::int64_t>(std::ceil(high.y)));
+    const auto last_y =
+        std::min<std::int64_t>(image.height - 1, static_cast<std::int64_t>(std::ceil(high.y)));
     for (std::int64_t y = first_y; y <= last_y; ++y)
         for (std::int64_t x = first_x; x <= last_x; ++x) {
             const double cover = std::clamp(inside(dvec2(x, y) + 0.5), 0.0, 1.0);
             if (cover == 0) continue;
             std::uint8_t* pixel = image.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
             for (int channel = 0; channel < 3; ++channel)
-                pixel[channel] = static_cast<std::uint8_t>(
-                    std::lround(glm::mix(double{pixel[channel]}, double{colour[channel]}, cover)));
+                pixel[channel] = static_cast<std::uint8_t>(std::lround(glm::mix(
+                    static_cast<double>(pixel[channel]), static_cast<double>(colour[channel]), cover)));
         }
 }
 
-void draw_segment(Image& image, const dvec2& a, const dvec2& b, double half_width, const glm::u8vec3& colour) {
+void draw_segment(Image& image, const dvec2& a, const dvec2& b, double half_width,
+                  const glm::u8vec3& colour) {
     const dvec2 along = b - a, margin(half_width + 1);
     const double squared = glm::dot(along, along);
     fill(image, glm::min(a, b) - margin, glm::max(a, b) + margin, colour, [&](const dvec2& p) {
@@ -99,12 +104,14 @@ void draw_marker(Image& image, const dvec2& at, Marker marker, const glm::u8vec3
     // A white rim keeps it apart from lines and other markers.
     fill(image, at - reach, at + reach, {255, 255, 255},
          [&](const dvec2& p) { return inside_marker(marker, p - at) + 2; });
-    fill(image, at - reach, at + reach, colour, [&](const dvec2& p) { return inside_marker(marker, p - at) + 0.5; });
+    fill(image, at - reach, at + reach, colour,
+         [&](const dvec2& p) { return inside_marker(marker, p - at) + 0.5; });
 }
 
 void write(Image& image, const dvec2& corner, const std::string& text) {
     if (corner.x < 0 || corner.y < 0) return;
-    draw_text(image, static_cast<std::uint32_t>(corner.x), static_cast<std::uint32_t>(corner.y), text, kScale);
+    draw_text(image, static_cast<std::uint32_t>(corner.x), static_cast<std::uint32_t>(corner.y), text,
+              kScale);
 }
 
 // An axis with its range fixed: values to 0 .. 1.
@@ -123,7 +130,8 @@ class Scale {
     }
 
     double place(double value) const {
-        return axis_.logarithmic ? std::log(value / from_) / std::log(to_ / from_) : (value - from_) / (to_ - from_);
+        return axis_.logarithmic ? std::log(value / from_) / std::log(to_ / from_)
+                                 : (value - from_) / (to_ - from_);
     }
 
     // Those within the range, ascending.
@@ -133,11 +141,15 @@ class Scale {
             if (place(value) > -1e-9 && place(value) < 1 + 1e-9) result.push_back(value);
         };
         if (axis_.logarithmic) {
-            for (int power = static_cast<int>(std::floor(std::log10(from_))); std::pow(10.0, power) <= to_; ++power)
+            for (int power = static_cast<int>(std::floor(std::log10(from_))); std::pow(10.0, power) <= to_;
+                 ++power)
                 for (const double digit : {1, 2, 5}) add(digit * std::pow(10.0, power));
         } else {
             const double rough = (to_ - from_) / 7, power = std::pow(10, std::floor(std::log10(rough)));
-            const double step = power * (rough > 5 * power ? 10 : rough > 2 * power ? 5 : rough > power ? 2 : 1);
+            const double step = power * (rough > 5 * power   ? 10
+                                         : rough > 2 * power ? 5
+                                         : rough > power     ? 2
+                                                             : 1);
             for (double i = std::ceil(from_ / step); i * step <= to_; ++i) add(i * step);
         }
         return result;
@@ -179,7 +191,8 @@ class Drawing {
         for (const double tick : y_.ticks()) ticks = std::max(ticks, text_width(y_.label(tick)));
         const double legend = names + 4 * kMarker + 2 * kGap;
         // The y axis' title stands above it, beside the plot's own: letters cannot be turned.
-        frame_ = {{ticks + 2 * kGap, 2 * kLine + 2 * kGap}, {plot.width - legend - kGap, plot.height - 2 * kLine - 2 * kGap}};
+        frame_ = {{ticks + 2 * kGap, 2 * kLine + 2 * kGap},
+                  {plot.width - legend - kGap, plot.height - 2 * kLine - 2 * kGap}};
     }
 
     Image draw() {
@@ -228,12 +241,14 @@ class Drawing {
         draw_segment(image_, {low.x, high.y}, {high.x, high.y}, 1, kFrame);
         write(image_, {kGap, kGap}, plot_.title);
         write(image_, {kGap, kGap + kLine}, plot_.y.title);
-        write(image_, {0.5 * (low.x + high.x - text_width(plot_.x.title)), high.y + kGap + kLine}, plot_.x.title);
+        write(image_, {0.5 * (low.x + high.x - text_width(plot_.x.title)), high.y + kGap + kLine},
+              plot_.x.title);
     }
 
     void draw_lines(const PlotSeries& series) {
         for (std::size_t i = 1; series.joined && i < series.points.size(); ++i)
-            draw_segment(image_, place(series.points[i - 1]), place(series.points[i]), kStroke, series.colour);
+            draw_segment(image_, place(series.points[i - 1]), place(series.points[i]), kStroke,
+                         series.colour);
     }
 
     // In the first place around the marker that is free.
@@ -251,8 +266,8 @@ class Drawing {
                                  {-0.6 * away - size.x, 0.6 * away}};
         for (const dvec2& corner : corners) {
             const Rectangle room{at + corner - 1.0, at + corner + size + 1.0};
-            if (!frame_.holds(room) ||
-                std::any_of(taken_.begin(), taken_.end(), [&](const Rectangle& other) { return other.meets(room); }))
+            if (!frame_.holds(room) || std::any_of(taken_.begin(), taken_.end(),
+                                                   [&](const Rectangle& other) { return other.meets(room); }))
                 continue;
             write(image_, at + corner, point.label);
             taken_.push_back(room);
@@ -266,7 +281,8 @@ class Drawing {
         for (const PlotSeries& series : plot_.series) {
             const dvec2 at(left, y);
             if (series.joined)
-                draw_segment(image_, at - dvec2(2 * kMarker, 0), at + dvec2(2 * kMarker, 0), kStroke, series.colour);
+                draw_segment(image_, at - dvec2(2 * kMarker, 0), at + dvec2(2 * kMarker, 0), kStroke,
+                             series.colour);
             draw_marker(image_, at, series.marker, series.colour);
             write(image_, at + dvec2(2 * kMarker + kGap, -0.5 * kLetterHeight), series.name);
             y += 1.2 * kLine;

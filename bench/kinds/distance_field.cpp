@@ -16,10 +16,10 @@ namespace dfield::kinds {
 namespace {
 
 constexpr std::uint32_t kVotes = 32;
-constexpr float kRange = 0.2f;       // of the longest side: what lies farther is as far as this
-constexpr float kLeastStep = 0.25f;  // of a voxel
-constexpr float kSurface = 0.15f;    // of a voxel: how near a signed field's ray must come
-constexpr float kThickness = 0.5f;   // of a voxel: the same without a sign
+constexpr float kRange = 0.2f;      // of the longest side: what lies farther is as far as this
+constexpr float kLeastStep = 0.5f;  // of a voxel
+constexpr float kSurface = 0.08f;   // of a voxel: how near a signed field's ray must come
+constexpr float kThickness = 0.3f;  // of a voxel: the same without a sign
 
 // Ericson, "Real-Time Collision Detection", 5.1.5.
 glm::vec3 closest_point(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {

@@ -1,5 +1,6 @@
-// A peer: the signed distance field that game engines ship for soft occlusion (Unreal's mesh distance fields, Godot's
-// SDFGI), a grid of 8-bit distances round one object, sphere traced. A baseline of the measurements only.
+// A peer: the signed distance field that game engines ship for soft occlusion (Unreal's mesh distance fields,
+// Godot's SDFGI), a grid of 8-bit distances round one object, sphere traced. A baseline of the measurements
+// only.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,8 @@
 
 namespace dfield::kinds {
 
-// What is inside. Closed surfaces have an inside; sheets, leaves and whatever else is open have none, and a field
-// without a sign hits them where they are nearer than half a voxel.
+// What is inside. Closed surfaces have an inside; sheets, leaves and whatever else is open have none, and a
+// field without a sign hits them where they are nearer than a third of a voxel.
 enum class Inside {
     kVotes,  // where most of some rays around a node meet the back of a surface first, as Unreal decides it
     kNowhere
@@ -31,9 +32,10 @@ class DistanceField {
 
     std::uint64_t memory_bytes() const { return nodes_.size(); }
 
-    // Visibility of receivers past the object, unbounded: each direction (around the normal, of even weight) is sphere
-    // traced from the receiver. On the calling thread, with the machine's widest vectors.
-    std::vector<float> visibility(const paper::Receivers& receivers, std::span<const glm::vec3> directions) const;
+    // Visibility of receivers past the object, unbounded: each direction (around the normal, of even weight)
+    // is sphere traced from the receiver. On the calling thread, with the machine's widest vectors.
+    std::vector<float> visibility(const paper::Receivers& receivers,
+                                  std::span<const glm::vec3> directions) const;
 
     // What the tracing reads. Node coordinates: (point - origin) * to_nodes, 0 .. size - 1.
     struct View {

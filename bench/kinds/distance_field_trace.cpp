@@ -1,5 +1,6 @@
-// Sphere tracing (Hart, "Sphere Tracing", The Visual Computer 12, 1996), a vector of rays at a time: rays that miss the
-// grid's box are dropped before the first step, and after every step the rays still on their way are moved together.
+// Sphere tracing (Hart, "Sphere Tracing", The Visual Computer 12, 1996), a vector of rays at a time: rays
+// that miss the grid's box are dropped before the first step, and after every step the rays still on their
+// way are moved together.
 #include <algorithm>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct Rays {
     std::vector<float> dx, dy, dz, t, end;
     explicit Rays(std::size_t count) : dx(count), dy(count), dz(count), t(count), end(count) {}
 
-    std::size_t keep(V kept_dx, V kept_dy, V kept_dz, V kept_t, V kept_end, hn::Mask<D> mask, std::size_t at) {
+    std::size_t keep(V kept_dx, V kept_dy, V kept_dz, V kept_t, V kept_end, hn::Mask<D> mask,
+                     std::size_t at) {
         const D d;
         hn::CompressStore(kept_dx, mask, d, &dx[at]);
         hn::CompressStore(kept_dy, mask, d, &dy[at]);
@@ -33,7 +35,8 @@ struct Rays {
     }
 };
 
-// Trilinear distance. A gather of 32 bits brings two neighbours along x, so that four make the eight nodes of a cell.
+// Trilinear distance. A gather of 32 bits brings two neighbours along x, so that four make the eight nodes of
+// a cell.
 HWY_INLINE V sample(const DistanceField::View& field, V x, V y, V z) {
     const D d;
     const hn::RebindToSigned<D> di;
@@ -100,8 +103,8 @@ std::size_t trace(const DistanceField::View& field, const glm::vec3& origin, Ray
 }
 
 // Directions as three arrays, padded with copies of the last to whole vectors.
-void visibility(const DistanceField::View& field, const paper::Receivers& receivers, const float* xs, const float* ys,
-                const float* zs, std::size_t count, float* result) {
+void visibility(const DistanceField::View& field, const paper::Receivers& receivers, const float* xs,
+                const float* ys, const float* zs, std::size_t count, float* result) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
     const V highest = hn::Set(d, static_cast<float>(field.size - 1));
@@ -109,8 +112,8 @@ void visibility(const DistanceField::View& field, const paper::Receivers& receiv
     for (std::size_t r = 0; r < receivers.size(); ++r) {
         const glm::vec3 origin = (receivers.positions[r] - field.origin) * field.to_nodes;
         const Frame frame = frame_of_normal(receivers.normals[r]);
-        const glm::vec3 tangent = frame.tangent * field.to_nodes, bitangent = frame.bitangent * field.to_nodes,
-                        normal = frame.normal * field.to_nodes;
+        const glm::vec3 tangent = frame.tangent * field.to_nodes,
+                        bitangent = frame.bitangent * field.to_nodes, normal = frame.normal * field.to_nodes;
         const V ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
         std::size_t kept = 0;
         for (std::size_t i = 0; i < count; i += lanes) {

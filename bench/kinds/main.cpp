@@ -1,22 +1,43 @@
-// scratch
-#include <chrono>
+// dfield_kinds: measures the kinds of section beside their peers, as JSON and as a page with plots.
+#include <CLI/CLI.hpp>
 #include <cstdio>
-#include "bench/kinds/distance_field.hpp"
-#include "bench/paper/measure.hpp"
-using namespace dfield; using namespace dfield::paper; using namespace dfield::kinds;
-namespace dfield::kinds { float g_range=0.2f,g_step=0.25f,g_surface=0.15f; }
-template<class F> double timed(const F& f,int n=3){double best=1e9;for(int i=0;i<n;++i){auto s=std::chrono::steady_clock::now();f();best=std::min(best,std::chrono::duration<double>(std::chrono::steady_clock::now()-s).count());}return best;}
-int main(){
-  Lab lab("/work/main/models","/work/shared/models",false);
-  for(float range:{0.2f,0.5f}) for (float step:{0.25f,0.5f}) for(float surf:{0.0f,0.05f,0.15f}) { g_range=range;g_step=step;g_surface=surf;
-  for(const char* name:{"bunny","lemon tree","cube with a hole"}){
-    const Model& m=*lab.find(name); const auto& r=lab.receivers(m,Room::kGap); const auto& dirs=lab.directions(Rays::kConcentric).directions;
-    const auto& ref=lab.ray_cast(m,Room::kGap,Rays::kConcentric);
-    for(uint32_t size:{32u,64u}) {
-      DistanceField f(m.mesh,{size,Inside::kVotes}); std::vector<float> v; double t=timed([&]{v=f.visibility(r,dirs);});
-      Errors e=errors_of(v,ref);
-      std::printf("%.2f %.2f %.2f %-18s sdf %u rms %.2f bias %+.2f ns/ray %.2f\n",range,step,surf,name,size,e.rms,e.bias,t*1e9/(r.size()*256));
+
+#include "bench/kinds/report.hpp"
+#include "bench/paper/machine.hpp"
+
+int main(int argc, char** argv) {
+    std::filesystem::path output, own = "models", shared = "../shared/models";
+    std::string json = "-";
+    bool quick = false;
+    CLI::App app(
+        "Measures displacement maps, line tables and direction maps beside Embree, distance fields and grids "
+        "of caps");
+    app.add_option("--output", output, "A Markdown page; its plots go into a folder named like it");
+    app.add_option("--json", json, "The figures as JSON: a file, or - for stdout")->capture_default_str();
+    app.add_option("--models", own, "The project's own models")
+        ->check(CLI::ExistingDirectory)
+        ->capture_default_str();
+    app.add_option("--shared", shared, "The paper's models; rows are left out where they are missing")
+        ->capture_default_str();
+    app.add_flag("--quick", quick,
+                 "For tests: own models only, small sizes, one round; figures that mean nothing");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        dfield::paper::Lab lab(own, shared, quick);
+        const dfield::kinds::Report report = dfield::kinds::measure_kinds(lab);
+        if (!output.empty()) {
+            dfield::paper::Page page(output);
+            dfield::kinds::write_kinds(report, page);
+            page.save();
+        }
+        dfield::cli::Json figures{{"processor", dfield::paper::processor_name()},
+                                  {"compiler", dfield::paper::compiler_version()},
+                                  {"embree", dfield::paper::embree_version()},
+                                  {"quick", quick}};
+        figures.update(dfield::kinds::kinds_json(report));
+        dfield::cli::write_json_report(json, figures);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "dfield_kinds: %s\n", error.what());
+        return 1;
     }
-    std::fflush(stdout);
-  }}
 }

@@ -25,7 +25,8 @@ std::vector<float> cap_table() {
         const float cosine = 2 * static_cast<float>(c) / (OcclusionGrid::kCapCosines - 1) - 1;
         const glm::vec3 middle(std::sqrt(std::max(0.0f, 1 - cosine * cosine)), 0, cosine);
         for (std::uint32_t i = 0; i < kDirections; ++i)
-            by_angle[i] = {glm::dot(middle, directions[i]), 4 * std::max(0.0f, directions[i].z) / kDirections};
+            by_angle[i] = {glm::dot(middle, directions[i]),
+                           4 * std::max(0.0f, directions[i].z) / kDirections};
         std::sort(by_angle.begin(), by_angle.end(), std::greater<>());
         auto at = by_angle.begin();
         double hidden = 0;

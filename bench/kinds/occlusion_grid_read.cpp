@@ -88,8 +88,8 @@ HWY_INLINE V length_squared(V x, V y, V z) {
 }
 
 // Positions and normals have a vector's worth of readable elements behind their ends, and so has `result`.
-void visibility(const OcclusionGrid::View& grid, const float* positions, const float* normals, std::size_t count,
-                float* result) {
+void visibility(const OcclusionGrid::View& grid, const float* positions, const float* normals,
+                std::size_t count, float* result) {
     const D d;
     const V highest = hn::Set(d, static_cast<float>(grid.size) - 1.001f), zero = hn::Zero(d);
     const V bias = hn::Set(d, -128), one = hn::Set(d, 1);
@@ -110,9 +110,9 @@ void visibility(const OcclusionGrid::View& grid, const float* positions, const f
         const V x = hn::Add(cap.x, bias), y = hn::Add(cap.y, bias), z = hn::Add(cap.z, bias);
         const V length = hn::Sqrt(hn::Max(length_squared(x, y, z), hn::Set(d, 1e-6f)));
         const V cosine = hn::Div(hn::MulAdd(x, n[0], hn::MulAdd(y, n[1], hn::Mul(z, n[2]))), length);
-        const V nearer = hn::Sqrt(
-            hn::Div(length_squared(from_middle_inside[0], from_middle_inside[1], from_middle_inside[2]),
-                    hn::Max(length_squared(from_middle[0], from_middle[1], from_middle[2]), hn::Set(d, 1e-20f))));
+        const V nearer = hn::Sqrt(hn::Div(
+            length_squared(from_middle_inside[0], from_middle_inside[1], from_middle_inside[2]),
+            hn::Max(length_squared(from_middle[0], from_middle[1], from_middle[2]), hn::Set(d, 1e-20f))));
         const V size = hn::Mul(hn::Mul(cap.size, hn::Set(d, 1.0f / 255)), hn::Min(nearer, one));
         hn::StoreU(hn::Sub(one, cap_occlusion(grid.table, cosine, size)), d, result + i);
     }

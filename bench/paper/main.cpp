@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "baker/cli/report.hpp"
+#include "bench/kinds/report.hpp"
 #include "bench/paper/figures.hpp"
 #include "bench/paper/machine.hpp"
 
@@ -67,6 +68,9 @@ void run(const Options& options) {
     write_several_objects(lab, page);
     say("ablation");
     write_ablation(lab, page);
+    say("kinds");
+    const kinds::Report report = kinds::measure_kinds(lab);
+    kinds::write_kinds(report, page);
     page.save();
     std::printf("%s\n", options.output.string().c_str());
 }

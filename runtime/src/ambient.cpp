@@ -58,7 +58,6 @@ void receiver_masks(const SceneState& scene, const dfield_ao& ao, const dfield_r
 
 namespace {
 
-
 void require_receivers(const dfield_ao* ao, const dfield_receivers* receivers, const void* output) {
     require(ao && receivers && output, "scene, ao, receivers or the output is null");
     require(receivers->count == 0 || (receivers->positions && receivers->normals),
@@ -79,8 +78,8 @@ void write_visibility(const SceneState& scene, const dfield_ao& ao, const dfield
 }
 
 // Everything: masks first, in the caller's memory or on the stack, then what follows from them.
-void write_all(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers, std::size_t begin,
-               std::size_t end, const OutputWriter& writer) {
+void write_all(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
+               std::size_t begin, std::size_t end, const OutputWriter& writer) {
     const ReceiverReader reader(receivers);
     const Strided<const float> self(receivers.self_visibility, receivers.self_visibility_stride, 1);
     const GatherKernels kernels = gather_kernels(scene.context()->simd_targets);
@@ -100,7 +99,8 @@ void write_all(const SceneState& scene, const dfield_ao& ao, const dfield_receiv
             float visibility = by_distance ? values[k] : 1;
             if (writer.wants_visibility() && !by_distance)
                 visibility = mask_visibility(kernels, ao, receiver.normal, masks.at(k));
-            writer.write(first + k, receiver.normal, masks.at(k), self ? visibility * *self.at(first + k) : visibility);
+            writer.write(first + k, receiver.normal, masks.at(k),
+                         self ? visibility * *self.at(first + k) : visibility);
         }
     }
 }
@@ -121,13 +121,14 @@ dfield_status dfield_scene_ambient(const dfield_scene* scene, const dfield_ao* a
         require_kinds(*ao, state);
         // Batches live on receivers that lie together: they are not split as finely as single ones.
         const std::size_t grain = batch_share(state, *ao) != BatchShare::kNone ? kBatchGrain : 1;
-        state.context()->for_ranges((receivers->count + grain - 1) / grain, [&](std::size_t first, std::size_t last) {
-            const std::size_t begin = first * grain, end = std::min(last * grain, receivers->count);
-            if (writer.masks() || writer.wants_moments())
-                write_all(state, *ao, *receivers, begin, end, writer);
-            else if (writer.wants_visibility())
-                write_visibility(state, *ao, *receivers, begin, end, writer);
-        });
+        state.context()->for_ranges(
+            (receivers->count + grain - 1) / grain, [&](std::size_t first, std::size_t last) {
+                const std::size_t begin = first * grain, end = std::min(last * grain, receivers->count);
+                if (writer.masks() || writer.wants_moments())
+                    write_all(state, *ao, *receivers, begin, end, writer);
+                else if (writer.wants_visibility())
+                    write_visibility(state, *ao, *receivers, begin, end, writer);
+            });
     });
 }
 
@@ -138,7 +139,8 @@ dfield_status dfield_scene_visibility(const dfield_scene* scene, const dfield_ao
     outputs.struct_size = sizeof outputs;
     outputs.visibility = visibility;
     outputs.visibility_stride = visibility_stride;
-    if (!visibility) return dfield::runtime::fail(DFIELD_INVALID_ARGUMENT, "dfield_scene_visibility: visibility is null");
+    if (!visibility)
+        return dfield::runtime::fail(DFIELD_INVALID_ARGUMENT, "dfield_scene_visibility: visibility is null");
     return dfield_scene_ambient(scene, ao, receivers, &outputs);
 }
 
@@ -149,7 +151,8 @@ dfield_status dfield_scene_visibility_mask(const dfield_scene* scene, const dfie
     outputs.struct_size = sizeof outputs;
     outputs.masks = masks;
     outputs.mask_stride = mask_stride;
-    if (!masks) return dfield::runtime::fail(DFIELD_INVALID_ARGUMENT, "dfield_scene_visibility_mask: masks is null");
+    if (!masks)
+        return dfield::runtime::fail(DFIELD_INVALID_ARGUMENT, "dfield_scene_visibility_mask: masks is null");
     return dfield_scene_ambient(scene, ao, receivers, &outputs);
 }
 
@@ -159,7 +162,8 @@ dfield_status dfield_ao_gather(const dfield_ao* ao, const dfield_receivers* rece
     using namespace dfield::runtime;
     return guarded([&] {
         require(ao && receivers && masks && visibility, "dfield_ao_gather: an argument is null");
-        require(receivers->count == 0 || receivers->normals, "dfield_ao_gather: the receivers' normals are null");
+        require(receivers->count == 0 || receivers->normals,
+                "dfield_ao_gather: the receivers' normals are null");
         gather_visibility(*ao, *receivers, Strided<const std::uint32_t>(masks, mask_stride, ao->mask_words()),
                           weights, Strided<float>(visibility, visibility_stride, 1));
     });

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "desc.hpp"
 #include "format/frame.hpp"
 #include "format/hemisphere_map.hpp"
-#include "desc.hpp"
 #include "status.hpp"
 
 dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
@@ -18,6 +18,7 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
       max_distance(desc.max_distance),
       unbounded(desc.max_distance == std::numeric_limits<float>::infinity()),
       bias(desc.bias),
+      level_error(desc.level_error),
       x(context),
       y(context),
       z(context),
@@ -136,6 +137,8 @@ dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* gi
                 "dfield_ao_create: max_distance must be above 0 (INFINITY for unbounded)");
         require(desc->falloff == DFIELD_FALLOFF_NONE || std::isfinite(desc->max_distance),
                 "dfield_ao_create: a falloff needs a finite max_distance");
+        require(desc->level_error >= 0 && desc->level_error <= 1,
+                "dfield_ao_create: level_error is outside 0..1");
         require(desc->bias >= 0 && std::isfinite(desc->bias), "dfield_ao_create: bias must be 0 or above");
         if (desc->falloff == DFIELD_FALLOFF_EXPONENTIAL)
             require(desc->falloff_rate >= 1e-3f && desc->falloff_rate <= 80,

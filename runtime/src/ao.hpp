@@ -44,14 +44,17 @@ struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     float max_distance;  // +infinity when unbounded
     bool unbounded;
     float bias;
+    float level_error;
     dfield::runtime::GatherRays gather_rays() const {
-        return {x.data(), y.data(), z.data(), gather_weights.data(), mask_words(),
-                sampling == DFIELD_SAMPLING_SHARED};
+        return {x.data(),     y.data(),
+                z.data(),     gather_weights.data(),
+                mask_words(), sampling == DFIELD_SAMPLING_SHARED};
     }
-    std::pmr::vector<float> x, y, z;     // directions, one array an axis: around +z, or world
-    std::pmr::vector<float> weights;     // empty: even
-    std::pmr::vector<float> gather_weights;  // of all rays, 0 for those that fill the last mask word; x, y, z alike
-    std::pmr::vector<float> directions;  // the same, interleaved, for the caller
+    std::pmr::vector<float> x, y, z;  // directions, one array an axis: around +z, or world
+    std::pmr::vector<float> weights;  // empty: even
+    std::pmr::vector<float>
+        gather_weights;  // of all rays, 0 for those that fill the last mask word; x, y, z alike
+    std::pmr::vector<float> directions;        // the same, interleaved, for the caller
     dfield::runtime::SharedDirections shared;  // the same for batches; empty unless sampling is shared
 
   private:

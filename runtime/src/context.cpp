@@ -1,6 +1,7 @@
 #include "context.hpp"
 
 #include <cstddef>
+#include <cstdio>
 #include <cstdlib>
 #include <new>
 
@@ -32,6 +33,11 @@ void dfield_context::release() noexcept {
         ::operator delete (this, std::align_val_t{alignof(dfield_context)});
 }
 
+namespace {
+constexpr const char* kSimdNames[] = {"the best", "none (scalar)", "SSE4",
+                                      "AVX2",     "AVX-512",       "NEON"};  // by dfield_simd
+}
+
 extern "C" {
 
 dfield_status dfield_context_create(const dfield_context_desc* desc, dfield_context** context) {
@@ -54,7 +60,19 @@ dfield_status dfield_context_create(const dfield_context_desc* desc, dfield_cont
                            : ::operator new (sizeof(dfield_context),
                                              std::align_val_t{alignof(dfield_context)}, std::nothrow);
         if (!memory) throw std::bad_alloc();
-        *context = new (memory) dfield_context(hooks);
+        auto* const made = new (memory) dfield_context(hooks);
+        *context = made;
+        const dfield_simd level = dfield_context_get_simd(made);
+        char line[160];
+        std::snprintf(line, sizeof line, "dfield %d.%d.%d, instruction set: %s", DFIELD_VERSION_MAJOR,
+                      DFIELD_VERSION_MINOR, DFIELD_VERSION_PATCH, kSimdNames[level]);
+        made->log(DFIELD_LOG_INFO, line);
+        if (hooks.simd != DFIELD_SIMD_BEST && level != static_cast<dfield_simd>(hooks.simd)) {
+            std::snprintf(line, sizeof line,
+                          "this machine has no %s: queries run at %s; cap at DFIELD_SIMD_BEST",
+                          kSimdNames[hooks.simd], kSimdNames[level]);
+            made->log(DFIELD_LOG_WARNING, line);
+        }
     });
 }
 

@@ -14,8 +14,7 @@
 // Opaque handles derive from this; the last release destroys the object through its context's memory.
 struct dfield_context final : std::pmr::memory_resource {
     explicit dfield_context(const dfield_context_desc& desc)
-        : hooks(desc),
-          simd_targets(dfield::runtime::allowed_targets(static_cast<dfield_simd>(desc.simd))) {}
+        : hooks(desc), simd_targets(dfield::runtime::allowed_targets(static_cast<dfield_simd>(desc.simd))) {}
 
     // Calls body(begin, end) over disjoint ranges that cover [0, count).
     template<class Body>

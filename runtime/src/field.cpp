@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 
+#include "batch/field_levels.hpp"
 #include "format/file.hpp"
 #include "format/sphere_points.hpp"
 #include "kind.hpp"
@@ -18,7 +19,8 @@ dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> b
       map_stride(dfield::map_bytes(maps.parameters)),
       self_visibility(context),
       line_points(context),
-      direction_reach(context) {
+      direction_reach(context),
+      level_disagreement(context) {
     const auto samples = dfield::sphere_points(maps.parameters.positions, maps.parameters.subdivision);
     points.assign(samples.begin(), samples.end());
     if (maps.lines && maps.lines->parameters.pivot)
@@ -26,6 +28,8 @@ dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> b
             line_points.emplace_back(point, 0.0f);
     for (const dfield::DirectionMaps& level : maps.directions)
         direction_reach.push_back(dfield::direction_reach(level));
+    for (const dfield::DirectionMaps& level : maps.directions)
+        level_disagreement.push_back(dfield::runtime::level_disagreement(level, maps.directions.back()));
     self_visibility.reserve(maps.self_visibility.size());
     for (const std::uint16_t value : maps.self_visibility)
         self_visibility.push_back(static_cast<float>(value) / 65535.0f);
@@ -102,7 +106,9 @@ dfield_status dfield_field_load_part(dfield_context* context, const dfield_load_
         require(bytes || size == 0, "dfield_field_load_part: bytes is null");
         require(desc->struct_size == sizeof(dfield_load_desc),
                 "dfield_field_load_part: desc->struct_size is not sizeof(dfield_load_desc)");
-        const auto wanted = [&](dfield_kind kind) { return desc->kinds == 0 || (desc->kinds >> kind & 1) != 0; };
+        const auto wanted = [&](dfield_kind kind) {
+            return desc->kinds == 0 || (desc->kinds >> kind & 1) != 0;
+        };
         dfield::ReadOptions options;
         options.maps = wanted(DFIELD_KIND_MAPS);
         options.lines = wanted(DFIELD_KIND_LINES);

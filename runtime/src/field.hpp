@@ -22,5 +22,9 @@ struct dfield_field final : dfield::runtime::Shared<dfield_field> {
 
     std::pmr::vector<float> direction_reach;  // of each level of direction maps: dfield::direction_reach
 
+    // Of each level of direction maps: the share of the lines through the sphere on which it and the finest
+    // disagree.
+    std::pmr::vector<float> level_disagreement;
+
     std::uint64_t memory_bytes() const;
 };

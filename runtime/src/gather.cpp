@@ -20,26 +20,35 @@ glm::vec3 usable_normal(const glm::vec3& normal) {
     return normal == glm::vec3(0) ? glm::vec3(0, 0, 1) : normal;
 }
 
-// Moments of directions in a frame, as moments of the same directions in the world: the first ones are a vector, the
-// second ones a symmetric tensor.
+// Moments of directions in a frame, as moments of the same directions in the world: the first ones are a
+// vector, the second ones a symmetric tensor.
 GatherMoments to_world(const GatherMoments& local, const Frame& frame) {
     const glm::mat3 axes(frame.tangent, frame.bitangent, frame.normal);
-    const float xx = 0.5f * (local.one - local.zz + local.xx_yy), yy = 0.5f * (local.one - local.zz - local.xx_yy);
+    const float xx = 0.5f * (local.one - local.zz + local.xx_yy),
+                yy = 0.5f * (local.one - local.zz - local.xx_yy);
     const glm::mat3 second(xx, local.xy, local.xz, local.xy, yy, local.yz, local.xz, local.yz, local.zz);
     const glm::vec3 first = axes * glm::vec3(local.x, local.y, local.z);
     const glm::mat3 world = axes * second * glm::transpose(axes);
-    return {local.one,   first.x,     first.y,     first.z,     world[0][1], world[1][2],
+    return {local.one,   first.x,     first.y,
+            first.z,     world[0][1], world[1][2],
             world[2][2], world[0][2], world[0][0] - world[1][1]};
 }
 
 std::array<float, DFIELD_SH_COUNT> harmonics_of(const GatherMoments& m) {
-    return {0.28209479f * m.one,  0.48860251f * m.y,    0.48860251f * m.z,
-            0.48860251f * m.x,    1.09254843f * m.xy,   1.09254843f * m.yz,
-            0.31539157f * (3 * m.zz - m.one), 1.09254843f * m.xz, 0.54627422f * m.xx_yy};
+    return {0.28209479f * m.one,
+            0.48860251f * m.y,
+            0.48860251f * m.z,
+            0.48860251f * m.x,
+            1.09254843f * m.xy,
+            1.09254843f * m.yz,
+            0.31539157f * (3 * m.zz - m.one),
+            1.09254843f * m.xz,
+            0.54627422f * m.xx_yy};
 }
 
 const dfield_outputs& checked(const dfield_outputs& outputs) {
-    require(outputs.struct_size == sizeof(dfield_outputs), "outputs->struct_size is not sizeof(dfield_outputs)");
+    require(outputs.struct_size == sizeof(dfield_outputs),
+            "outputs->struct_size is not sizeof(dfield_outputs)");
     return outputs;
 }
 
@@ -74,9 +83,12 @@ void gather_visibility(const dfield_ao& ao, const dfield_receivers& receivers,
         const std::size_t count = std::min(kReceivers, receivers.count - first);
         totals.fill({0, 0});
         for (std::size_t word = 0; word < rays.words; word += kWords) {
-            GatherRays part{rays.x + 32 * word,      rays.y + 32 * word,
-                            rays.z + 32 * word,      rays.weight + 32 * word,
-                            std::min(kWords, rays.words - word), rays.cosine};
+            GatherRays part{rays.x + 32 * word,
+                            rays.y + 32 * word,
+                            rays.z + 32 * word,
+                            rays.weight + 32 * word,
+                            std::min(kWords, rays.words - word),
+                            rays.cosine};
             if (weights) {
                 for (std::size_t k = 0; k < 32 * part.words; ++k) {
                     const std::size_t r = 32 * word + k;

@@ -21,8 +21,10 @@ struct GatherMoments {
 };
 
 struct GatherKernels {
-    void (*weigh)(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, GatherWeights& sums);
-    void (*moments)(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, GatherMoments& sums);
+    void (*weigh)(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask,
+                  GatherWeights& sums);
+    void (*moments)(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask,
+                    GatherMoments& sums);
 };
 GatherKernels gather_kernels(std::int64_t targets);  // dfield_context::simd_targets
 extern const GatherKernels kGatherReference;

@@ -20,7 +20,8 @@ using VF = hn::Vec<F>;
 
 // Calls use(first ray, weights c, those of open rays) for each vector of rays.
 template<bool kCosine, class Use>
-HWY_INLINE void for_rays(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, const Use& use) {
+HWY_INLINE void for_rays(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask,
+                         const Use& use) {
     const F f;
     const U u;
     const std::size_t lanes = hn::Lanes(f);
@@ -32,7 +33,8 @@ HWY_INLINE void for_rays(const GatherRays& rays, const glm::vec3& normal, const 
             const std::size_t at = 32 * word + first;
             auto c = hn::LoadU(f, rays.weight + at);
             if constexpr (kCosine) {
-                const auto x = hn::LoadU(f, rays.x + at), y = hn::LoadU(f, rays.y + at), z = hn::LoadU(f, rays.z + at);
+                const auto x = hn::LoadU(f, rays.x + at), y = hn::LoadU(f, rays.y + at),
+                           z = hn::LoadU(f, rays.z + at);
                 c = hn::Mul(c, hn::Max(zero, hn::MulAdd(nx, x, hn::MulAdd(ny, y, hn::Mul(nz, z)))));
             }
             const auto blocked = hn::TestBit(hn::Set(u, mask[word] >> first), lane_bits);
@@ -53,7 +55,8 @@ HWY_INLINE void weigh_rays(const GatherRays& rays, const glm::vec3& normal, cons
 }
 
 void weigh(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, GatherWeights& sums) {
-    return rays.cosine ? weigh_rays<true>(rays, normal, mask, sums) : weigh_rays<false>(rays, normal, mask, sums);
+    return rays.cosine ? weigh_rays<true>(rays, normal, mask, sums)
+                       : weigh_rays<false>(rays, normal, mask, sums);
 }
 
 template<bool kCosine>
@@ -62,7 +65,8 @@ HWY_INLINE void sum_moments(const GatherRays& rays, const glm::vec3& normal, con
     const F f;
     auto s0 = hn::Zero(f), sx = s0, sy = s0, sz = s0, sxy = s0, syz = s0, szz = s0, sxz = s0, sxx_yy = s0;
     for_rays<kCosine>(rays, normal, mask, [&](std::size_t at, VF, VF c) HWY_ATTR {
-        const auto x = hn::LoadU(f, rays.x + at), y = hn::LoadU(f, rays.y + at), z = hn::LoadU(f, rays.z + at);
+        const auto x = hn::LoadU(f, rays.x + at), y = hn::LoadU(f, rays.y + at),
+                   z = hn::LoadU(f, rays.z + at);
         const auto cx = hn::Mul(c, x), cy = hn::Mul(c, y), cz = hn::Mul(c, z);
         s0 = hn::Add(s0, c);
         sx = hn::Add(sx, cx);
@@ -78,8 +82,10 @@ HWY_INLINE void sum_moments(const GatherRays& rays, const glm::vec3& normal, con
     sums = {sum(s0), sum(sx), sum(sy), sum(sz), sum(sxy), sum(syz), sum(szz), sum(sxz), sum(sxx_yy)};
 }
 
-void moments(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, GatherMoments& sums) {
-    return rays.cosine ? sum_moments<true>(rays, normal, mask, sums) : sum_moments<false>(rays, normal, mask, sums);
+void moments(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask,
+             GatherMoments& sums) {
+    return rays.cosine ? sum_moments<true>(rays, normal, mask, sums)
+                       : sum_moments<false>(rays, normal, mask, sums);
 }
 
 }  // namespace dfield::runtime::HWY_NAMESPACE
@@ -93,7 +99,8 @@ HWY_EXPORT(weigh);
 HWY_EXPORT(moments);
 
 template<class Use>
-void for_rays_reference(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask, const Use& use) {
+void for_rays_reference(const GatherRays& rays, const glm::vec3& normal, const std::uint32_t* mask,
+                        const Use& use) {
     for (std::size_t r = 0; r < 32 * rays.words; ++r) {
         const glm::vec3 w(rays.x[r], rays.y[r], rays.z[r]);
         const float c = rays.weight[r] * (rays.cosine ? std::max(0.0f, glm::dot(normal, w)) : 1.0f);

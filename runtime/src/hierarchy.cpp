@@ -29,8 +29,10 @@ void InstanceHierarchy::build(std::span<const Instance> instances, std::span<con
     built_cost_ = cost_;
 }
 
-// Halves at the median along the longest side of the centres' box: balanced, so that a tree's depth is bounded.
-void InstanceHierarchy::build_node(std::span<const Instance> instances, std::uint32_t first, std::uint32_t count) {
+// Halves at the median along the longest side of the centres' box: balanced, so that a tree's depth is
+// bounded.
+void InstanceHierarchy::build_node(std::span<const Instance> instances, std::uint32_t first,
+                                   std::uint32_t count) {
     const std::size_t at = nodes_.size();
     nodes_.push_back({{}, count <= kLeafSize ? count : 0, first});
     if (count <= kLeafSize) return;

@@ -35,16 +35,16 @@ class InstanceHierarchy {
 
     // Over these instances, from nothing.
     void build(std::span<const Instance> instances, std::span<const dfield_instance> ids);
-    // Over the same ids in new places: the tree stays, its boxes change. False where that has made it so loose
-    // that building it again pays.
+    // Over the same ids in new places: the tree stays, its boxes change. False where that has made it so
+    // loose that building it again pays.
     bool refit(std::span<const Instance> instances);
 
     // Empty without instances; nodes()[0] is the root.
     std::span<const Node> nodes() const { return nodes_; }
     std::span<const dfield_instance> order() const { return order_; }
 
-    // Calls visit(id) for the instances of every leaf that all of whose ancestors, and itself, enter(box) lets
-    // in. An instance's own box is not asked.
+    // Calls visit(id) for the instances of every leaf that all of whose ancestors, and itself, enter(box)
+    // lets in. An instance's own box is not asked.
     template<class Enter, class Visit>
     void traverse(const Enter& enter, const Visit& visit) const {
         std::uint32_t stack[kMaxDepth];

@@ -11,7 +11,8 @@ namespace {
 using Preference = std::array<dfield_kind, 3>;
 
 Preference preference(const dfield_ao& ao) {
-    constexpr dfield_kind kMaps = DFIELD_KIND_MAPS, kLines = DFIELD_KIND_LINES, kShared = DFIELD_KIND_DIRECTIONS;
+    constexpr dfield_kind kMaps = DFIELD_KIND_MAPS, kLines = DFIELD_KIND_LINES,
+                          kShared = DFIELD_KIND_DIRECTIONS;
     if (ao.sampling == DFIELD_SAMPLING_SHARED) return {kShared, kLines, kMaps};
     // Direction maps know the directions that they were baked for: too few for one receiver's own rays.
     if (ao.any_hit()) return {kLines, kMaps, kMaps};
@@ -49,7 +50,8 @@ dfield_kind kind_for(const dfield_ao& ao, const dfield_field& field) {
     for (const bool distances : {true, false})
         for (const dfield_kind kind : preference(ao)) {
             if (ao.kind != DFIELD_KIND_AUTO && kind != ao.kind) continue;
-            if (has_kind(field, kind) && (!distances || ao.any_hit() || has_distances(field, kind))) return kind;
+            if (has_kind(field, kind) && (!distances || ao.any_hit() || has_distances(field, kind)))
+                return kind;
         }
     return DFIELD_KIND_AUTO;
 }
@@ -63,18 +65,21 @@ void require_kinds(const dfield_ao& ao, const SceneState& scene) {
         last = field;
         const dfield_kind kind = kind_for(ao, *field);
         require(kind != DFIELD_KIND_AUTO,
-                "an instance's field holds nothing that answers this query: bake it with the kind that is forced, "
+                "an instance's field holds nothing that answers this query: bake it with the kind that is "
+                "forced, "
                 "or use DFIELD_SAMPLING_SHARED for fields with direction maps alone");
         (kind == DFIELD_KIND_DIRECTIONS ? directions : others) = true;
     }
     require(ao.any_hit() || !directions || !others,
-            "with a max_distance or falloff, shared sampling cannot mix fields with and without direction maps (of "
+            "with a max_distance or falloff, shared sampling cannot mix fields with and without direction "
+            "maps (of "
             "those with depths): force a kind that all fields of the scene have");
 }
 
 }  // namespace dfield::runtime
 
-extern "C" dfield_status dfield_ao_get_kind(const dfield_ao* ao, const dfield_field* field, dfield_kind* kind) {
+extern "C" dfield_status dfield_ao_get_kind(const dfield_ao* ao, const dfield_field* field,
+                                            dfield_kind* kind) {
     using namespace dfield::runtime;
     return guarded([&] {
         require(ao && field && kind, "dfield_ao_get_kind: ao, field or kind is null");

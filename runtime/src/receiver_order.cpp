@@ -1,4 +1,5 @@
-// Receivers of a set into chunks and blocks: those of a block lie near each other, face alike, and move together.
+// Receivers of a set into chunks and blocks: those of a block lie near each other, face alike, and move
+// together.
 #include <algorithm>
 #include <glm/common.hpp>
 #include <numeric>
@@ -103,16 +104,19 @@ void dfield_receiver_set::place_block(SetChunk& set_chunk, std::size_t block, co
     Chunk& chunk = set_chunk.chunk;
     const dfield_instance attached = set_chunk.attached[block];
     const Instance* carrier = nullptr;
-    if (attached != DFIELD_NO_INSTANCE && now && attached < now->instances.size() && now->instances[attached].field)
+    if (attached != DFIELD_NO_INSTANCE && now && attached < now->instances.size() &&
+        now->instances[attached].field)
         carrier = &now->instances[attached];
-    UnitReceiver spare{glm::vec3(0), glm::vec3(0, 0, 1), DFIELD_NO_INSTANCE};  // what lanes without a receiver repeat
+    UnitReceiver spare{glm::vec3(0), glm::vec3(0, 0, 1),
+                       DFIELD_NO_INSTANCE};  // what lanes without a receiver repeat
     chunk.lanes[block] = 0;
     for (int pass = 0; pass < 2; ++pass)  // first those that are somewhere
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const std::size_t at = block * kLanes + lane;
             UnitReceiver placed = spare;
             if (pass == 0) {
-                if (set_chunk.receiver[at] == kNoReceiver || (attached != DFIELD_NO_INSTANCE && !carrier)) continue;
+                if (set_chunk.receiver[at] == kNoReceiver || (attached != DFIELD_NO_INSTANCE && !carrier))
+                    continue;
                 const SetReceiver& given = receivers_[set_chunk.receiver[at]];
                 glm::vec3 position = given.position, normal = given.normal;
                 if (carrier) {

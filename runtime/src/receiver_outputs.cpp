@@ -24,9 +24,11 @@ void dfield_receiver_set::block_masks(std::size_t index, std::size_t block, std:
         const std::uint32_t ray = shared.ray[at];
         if (ray == SharedDirections::kNoRay) continue;
         const glm::vec3 w(shared.x[at], shared.y[at], shared.z[at]);
-        for (std::uint32_t bits = blocked.rows[at % kSlab][block] & chunk.lanes[block]; bits != 0; bits &= bits - 1) {
+        for (std::uint32_t bits = blocked.rows[at % kSlab][block] & chunk.lanes[block]; bits != 0;
+             bits &= bits - 1) {
             const int lane = std::countr_zero(bits);
-            if (glm::dot(receivers.normals[lane], w) > 0) masks[lane * words + (ray >> 5)] |= 1u << (ray & 31);
+            if (glm::dot(receivers.normals[lane], w) > 0)
+                masks[lane * words + (ray >> 5)] |= 1u << (ray & 31);
         }
     }
 }
@@ -36,7 +38,7 @@ void dfield_receiver_set::write_outputs(const dfield_outputs& outputs, bool only
     const bool needs_masks = writer.masks() || writer.wants_moments();
     const std::size_t words = ao_->mask_words();
     context()->for_ranges(chunks_.size(), [&](std::size_t begin, std::size_t end) {
-        std::array<std::uint32_t, kLanes * (DFIELD_MAX_RAYS / 32)> masks;
+        std::array<std::uint32_t, kLanes*(DFIELD_MAX_RAYS / 32)> masks;
         for (std::size_t index = begin; index < end; ++index)
             for (std::size_t b = 0; b < chunks_[index].chunk.blocks; ++b) {
                 const SetChunk& set_chunk = chunks_[index];
@@ -46,10 +48,12 @@ void dfield_receiver_set::write_outputs(const dfield_outputs& outputs, bool only
                 for (std::size_t lane = 0; lane < kLanes; ++lane) {
                     const std::size_t i = b * kLanes + lane;
                     const std::uint32_t receiver = set_chunk.receiver[i];
-                    if (receiver == kNoReceiver || (only_changed && !(set_chunk.changed[b] >> lane & 1))) continue;
+                    if (receiver == kNoReceiver || (only_changed && !(set_chunk.changed[b] >> lane & 1)))
+                        continue;
                     const bool placed = chunk.lanes[b] >> lane & 1;
                     if (needs_masks)
-                        writer.write(receiver, placed ? glm::vec3(chunk.nx[i], chunk.ny[i], chunk.nz[i]) : glm::vec3(0),
+                        writer.write(receiver,
+                                     placed ? glm::vec3(chunk.nx[i], chunk.ny[i], chunk.nz[i]) : glm::vec3(0),
                                      &masks[lane * words], visibility[receiver]);
                     else
                         writer.write_visibility(receiver, visibility[receiver]);

@@ -1,5 +1,5 @@
-// Updates of a receiver set where rays answer: receivers are computed from scratch, those alone that a changed
-// instance may affect where it was or where it is.
+// Updates of a receiver set where rays answer: receivers are computed from scratch, those alone that a
+// changed instance may affect where it was or where it is.
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -13,7 +13,8 @@ namespace {
 bool may_block(const Instance& instance, const dfield_ao& ao, const Chunk& chunk, std::size_t b) {
     const glm::vec3 half = 0.5f * (instance.bounds.high - instance.bounds.low);
     const glm::vec3 block_half(chunk.half_x[b], chunk.half_y[b], chunk.half_z[b]);
-    const glm::vec3 away = instance.bounds.low + half - glm::vec3(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
+    const glm::vec3 away =
+        instance.bounds.low + half - glm::vec3(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
     const float distance = glm::length(away), reach = 1.0001f * (glm::length(half) + glm::length(block_half));
     if (distance - reach > ao.max_distance) return false;
     // Normals lie within a cone; how far off its axis one is bounds by how much more it faces the instance.

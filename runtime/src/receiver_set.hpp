@@ -1,9 +1,10 @@
 // Receivers that stay from frame to frame, in the chunks that batches work on, with what blocks them.
 //
-// An update takes three steps for every chunk. What changed instances blocked before is looked up again, from the
-// state of the last update, and taken out of the masks. Since a pair of receiver and direction may be blocked by
-// several instances, the others are asked again, for these pairs alone. Then what changed instances block now is put
-// in. All look-ups are those of a computation from scratch, so the masks are the same bits.
+// An update takes three steps for every chunk. What changed instances blocked before is looked up again, from
+// the state of the last update, and taken out of the masks. Since a pair of receiver and direction may be
+// blocked by several instances, the others are asked again, for these pairs alone. Then what changed
+// instances block now is put in. All look-ups are those of a computation from scratch, so the masks are the
+// same bits.
 #pragma once
 
 #include <array>
@@ -31,8 +32,9 @@ struct SetChunk {
     std::array<std::uint32_t, kChunkReceivers> receiver;  // by lane, kNoReceiver for none
     std::array<dfield_instance, kChunkBlocks> attached;   // by block, DFIELD_NO_INSTANCE for none
     // What the last update did:
-    std::array<std::uint16_t, kChunkBlocks> computed, changed;  // lanes it looked at, and whose result may differ
-    BlockSet moved;                                             // blocks that it placed anew
+    std::array<std::uint16_t, kChunkBlocks> computed,
+        changed;     // lanes it looked at, and whose result may differ
+    BlockSet moved;  // blocks that it placed anew
 };
 
 // What blocks a chunk's receivers, for one slab of directions.
@@ -102,7 +104,7 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     void update(dfield_snapshot* snapshot, dfield_update_stats* stats);
     void write_outputs(const dfield_outputs& outputs, bool only_changed) const;
 
-    std::pmr::vector<float> visibility;      // in the caller's order
+    std::pmr::vector<float> visibility;  // in the caller's order
     std::pmr::vector<std::uint32_t> changed;
 
   private:
@@ -126,7 +128,8 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     void update_batched(std::size_t index, const SceneState& now, const SceneChanges& changes,
                         dfield::runtime::UpdateScratch& scratch);
     void update_slab(SetChunk& chunk, dfield::runtime::SlabMasks& state, const dfield::runtime::Slab& slab,
-                     const SceneState& now, const SceneChanges& changes, dfield::runtime::UpdateScratch& scratch);
+                     const SceneState& now, const SceneChanges& changes,
+                     dfield::runtime::UpdateScratch& scratch);
     void ask_again(const dfield::runtime::Chunk& chunk, dfield::runtime::ChunkMasks& masks,
                    const dfield::runtime::Slab& slab, const SceneState& now, const SceneChanges& changes,
                    dfield::runtime::UpdateScratch& scratch) const;
@@ -136,7 +139,8 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     void block_masks(std::size_t index, std::size_t block, std::uint32_t* masks) const;
 
     // receiver_rays.cpp: the same by rays, receiver by receiver. `before` is null where all changes.
-    void update_by_rays(SetChunk& chunk, const SceneState* before, const SceneState& now, const SceneChanges& changes);
+    void update_by_rays(SetChunk& chunk, const SceneState* before, const SceneState& now,
+                        const SceneChanges& changes);
 
     dfield_ao* ao_;
     dfield_snapshot* last_ = nullptr;  // of the last update that succeeded
@@ -145,7 +149,8 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     std::pmr::vector<SetChunk> chunks_;
     std::pmr::vector<dfield::runtime::SlabMasks> slabs_;  // of chunk 0, of chunk 1, ...; empty until needed
     std::pmr::vector<dfield::runtime::Reach> reaches_;    // by id, of active instances
-    std::pmr::vector<dfield::runtime::DirectionCaster> casters_before_, casters_now_;  // changed ones, in an update
+    std::pmr::vector<dfield::runtime::DirectionCaster> casters_before_,
+        casters_now_;  // changed ones, in an update
     std::mutex scratch_mutex_;
     std::pmr::vector<dfield::runtime::UpdateScratch*> idle_;  // scratch that no thread uses; has room for all
     std::size_t scratch_count_ = 0;

@@ -62,7 +62,8 @@ bool may_meet(const Ball& ball, const DirectionCluster& cluster, const Direction
     const glm::vec3 away = caster.centre - ball.centre;
     const float square = glm::dot(away, away), near = 1.001f * (caster.reach + ball.radius);
     if (cluster.cosine <= 0 || near * near >= square) return true;
-    // The angle to the cluster's axis is at most the cluster's own plus the one that both balls are seen under.
+    // The angle to the cluster's axis is at most the cluster's own plus the one that both balls are seen
+    // under.
     const float bound = cluster.cosine * std::sqrt(square - near * near) - cluster.sine * near;
     return std::fabs(glm::dot(cluster.axis, away)) >= bound - 1e-4f * std::sqrt(square);
 }
@@ -100,7 +101,8 @@ void find_near(const Chunk& chunk, const Slab& slab, const ChunkFacing& facing,
 }
 
 // Of `asked`, the words of the masks that are not 0.
-void find_touched(const Chunk& chunk, const ChunkFacing& asked, const ChunkMasks& masks, ChunkFacing& touched) {
+void find_touched(const Chunk& chunk, const ChunkFacing& asked, const ChunkMasks& masks,
+                  ChunkFacing& touched) {
     touched.clusters = asked.clusters;
     for_directions(asked.clusters, [&](std::size_t k) {
         for (std::size_t group = 0; group < groups_of(chunk); ++group) {
@@ -157,8 +159,8 @@ std::uint16_t lanes_of(const SetChunk& chunk, std::size_t block) {
 
 using namespace dfield::runtime;
 
-void dfield_receiver_set::update_batched(std::size_t index, const SceneState& now, const SceneChanges& changes,
-                                         UpdateScratch& scratch) {
+void dfield_receiver_set::update_batched(std::size_t index, const SceneState& now,
+                                         const SceneChanges& changes, UpdateScratch& scratch) {
     SetChunk& chunk = chunks_[index];
     for (std::size_t block = 0; block < chunk.chunk.blocks; ++block)
         if (changes.all || (chunk.moved[block / 16] >> block % 16 & 1))
@@ -171,8 +173,9 @@ void dfield_receiver_set::update_batched(std::size_t index, const SceneState& no
     store_visibility(chunk, index);
 }
 
-void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, const Slab& slab, const SceneState& now,
-                                      const SceneChanges& changes, UpdateScratch& scratch) {
+void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, const Slab& slab,
+                                      const SceneState& now, const SceneChanges& changes,
+                                      UpdateScratch& scratch) {
     const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     const Chunk& chunk = set_chunk.chunk;
     ChunkMasks& masks = state.masks;
@@ -199,8 +202,8 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     }
     const auto restrict_to = [&](std::uint16_t flip) {
         restrict_facing(
-            chunk, slab, state.facing, [&](std::size_t, std::size_t group) { return set_chunk.moved[group] ^ flip; },
-            scratch.still);
+            chunk, slab, state.facing,
+            [&](std::size_t, std::size_t group) { return set_chunk.moved[group] ^ flip; }, scratch.still);
     };
     const ChunkFacing* still = &state.facing;
     if (moved) {
@@ -209,8 +212,10 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     }
 
     // What changed instances blocked is taken out.
-    const auto add_changed = [&](std::span<const DirectionCaster> casters, ChunkMasks& found, ChunkFacing& touched) {
-        for (const DirectionCaster& caster : casters) kernels.add_caster(caster, slab, chunk, scratch.again, found);
+    const auto add_changed = [&](std::span<const DirectionCaster> casters, ChunkMasks& found,
+                                 ChunkFacing& touched) {
+        for (const DirectionCaster& caster : casters)
+            kernels.add_caster(caster, slab, chunk, scratch.again, found);
         find_touched(chunk, scratch.again, found, touched);
     };
     find_near(chunk, slab, *still, casters_before_, scratch.again);
@@ -255,19 +260,22 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     add_active(scratch.still);
 }
 
-// Lets the unchanged instances block again, among the pairs of scratch.again. For each of their directions the lines fill
-// a prism, the ball around the blocks swept along it; all of them lie in a cone around the mean direction. Instances
-// that stay clear of the cone are left out, others are asked for the clusters alone whose prisms they meet, those that
-// look largest first, since words that are as they were need no more. A line has no sense.
-void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const Slab& slab, const SceneState& now,
-                                    const SceneChanges& changes, UpdateScratch& scratch) const {
+// Lets the unchanged instances block again, among the pairs of scratch.again. For each of their directions
+// the lines fill a prism, the ball around the blocks swept along it; all of them lie in a cone around the
+// mean direction. Instances that stay clear of the cone are left out, others are asked for the clusters alone
+// whose prisms they meet, those that look largest first, since words that are as they were need no more. A
+// line has no sense.
+void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const Slab& slab,
+                                    const SceneState& now, const SceneChanges& changes,
+                                    UpdateScratch& scratch) const {
     struct Prism {
-        glm::vec3 direction, middle;
-        float radius;
+        Ball ball;
         std::uint32_t k;
     };
     ChunkFacing& pairs = scratch.again;
     std::array<Prism, kSlab> prisms;
+    std::array<float, kSlab> x, y, z;  // their directions
+    std::array<std::uint8_t, kSlab> pass;
     std::size_t count = 0;
     glm::vec3 axis(0), low(INFINITY), high(-INFINITY);
     for_directions(pairs.clusters, [&](std::size_t k) {
@@ -282,8 +290,8 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
             }
         if (!(prism_low.x <= prism_high.x)) return;
         const glm::vec3 w = direction_of(slab, k);
-        prisms[count++] = {w, 0.5f * (prism_low + prism_high), 0.5f * glm::length(prism_high - prism_low),
-                           static_cast<std::uint32_t>(k)};
+        x[count] = w.x, y[count] = w.y, z[count] = w.z;
+        prisms[count++] = {ball_of(prism_low, prism_high), static_cast<std::uint32_t>(k)};
         axis += w;
         low = glm::min(low, prism_low);
         high = glm::max(high, prism_high);
@@ -291,37 +299,62 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
     const float length = glm::length(axis);
     axis = length > 1e-3f ? axis / length : glm::vec3(0, 0, 1);
     float cosine = 1;
-    for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, glm::dot(axis, prisms[i].direction));
-    const glm::vec3 middle = 0.5f * (low + high);
-    const float radius = 0.5f * glm::length(high - low), sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+    for (std::size_t i = 0; i < count; ++i)
+        cosine = std::min(cosine, axis.x * x[i] + axis.y * y[i] + axis.z * z[i]);
+    // The lines start within a ball around the blocks; where few instances have changed they also pass by one
+    // of them.
     constexpr float kMargin = 1.0001f;
+    constexpr std::size_t kFew = 16;
+    std::array<Ball, kFew> passed;
+    const std::size_t few = casters_before_.size() <= kFew ? casters_before_.size() : 0;
+    for (std::size_t i = 0; i < few; ++i) passed[i] = {casters_before_[i].centre, casters_before_[i].reach};
+    const Ball start = ball_of(low, high);
+    const std::span<const Ball> gates =
+        few > 0 ? std::span<const Ball>(passed.data(), few) : std::span(&start, 1);
+    const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+    const auto within_cone = [&](const Ball& gate, const Reach& reach) {
+        const glm::vec3 away = reach.centre - gate.centre;
+        const float square = glm::dot(away, away), near = kMargin * (reach.radius + gate.radius);
+        if (cosine <= 0 || near * near >= square) return true;
+        // The angle to the axis is at most the cone's plus the one that both balls are seen under.
+        const float bound = cosine * std::sqrt(square - near * near) - sine * near;
+        return std::fabs(glm::dot(axis, away)) >= bound - 1e-4f * std::sqrt(square);
+    };
+    const auto crosses = [&](const Ball& gate, const Reach& reach, const glm::vec3& direction) {
+        const glm::vec3 away = reach.centre - gate.centre;
+        const float along = glm::dot(away, direction), near = kMargin * (reach.radius + gate.radius);
+        return glm::dot(away, away) * 0.999999f - along * along <= near * near;
+    };
     scratch.candidates.clear();
     for (const dfield_instance id : now.active) {
         const Reach& reach = reaches_[id];
-        const glm::vec3 away = reach.centre - middle;
-        const float square = glm::dot(away, away), near = kMargin * (reach.radius + radius);
-        if (cosine > 0 && near * near < square) {
-            // The angle to the axis is at most the cone's plus the one that the instance is seen under.
-            const float bound = cosine * std::sqrt(square - near * near) - sine * near;
-            if (std::fabs(glm::dot(axis, away)) < bound - 1e-4f * std::sqrt(square)) continue;
-        }
+        if (std::none_of(gates.begin(), gates.end(),
+                         [&](const Ball& gate) { return within_cone(gate, reach); }))
+            continue;
         if (id < changes.changed.size() && changes.changed[id]) continue;
-        scratch.candidates.emplace_back(square / (reach.radius * reach.radius), id);
+        const glm::vec3 away = reach.centre - start.centre;
+        scratch.candidates.emplace_back(glm::dot(away, away) / (reach.radius * reach.radius), id);
     }
     std::sort(scratch.candidates.begin(), scratch.candidates.end());
 
     const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     for (const auto& [order, id] : scratch.candidates) {
         const Reach& reach = reaches_[id];
-        pairs.clusters = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Prism& prism = prisms[i];
-            if (pairs.clusters >> prism.k / kClusterSize & 1) continue;
-            const glm::vec3 offset = reach.centre - prism.middle;
-            const float along = glm::dot(offset, prism.direction), close = kMargin * (reach.radius + prism.radius);
-            if (glm::dot(offset, offset) * 0.999999f - along * along <= close * close)
-                pairs.clusters |= 1u << prism.k / kClusterSize;
+        pass.fill(0);
+        for (const Ball& gate : gates) {
+            // One array an axis, so that compilers make vectors of the loop.
+            const glm::vec3 away = reach.centre - gate.centre;
+            const float near = kMargin * (reach.radius + gate.radius);
+            const float least = glm::dot(away, away) * 0.999999f - near * near;
+            for (std::size_t i = 0; i < count; ++i) {
+                const float along = x[i] * away.x + y[i] * away.y + z[i] * away.z;
+                pass[i] |= static_cast<std::uint8_t>(along * along >= least);
+            }
         }
+        pairs.clusters = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            if (pass[i] && crosses(prisms[i].ball, reach, {x[i], y[i], z[i]}))
+                pairs.clusters |= 1u << prisms[i].k / kClusterSize;
         if (pairs.clusters == 0) continue;
         kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks);
         std::size_t left = 0;
@@ -340,6 +373,7 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
                     }
             }
             prisms[left] = prisms[i];
+            x[left] = x[i], y[left] = y[i], z[left] = z[i];
             left += open;
         }
         count = left;
@@ -350,7 +384,8 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
 // Of blocks with changed lanes, as batch_visibility.
 void dfield_receiver_set::store_visibility(const SetChunk& set_chunk, std::size_t index) {
     const Chunk& chunk = set_chunk.chunk;
-    if (std::all_of(set_chunk.changed.begin(), set_chunk.changed.end(), [](std::uint16_t lanes) { return lanes == 0; }))
+    if (std::all_of(set_chunk.changed.begin(), set_chunk.changed.end(),
+                    [](std::uint16_t lanes) { return lanes == 0; }))
         return;
     alignas(64) std::array<float, kChunkReceivers> values;
     std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);

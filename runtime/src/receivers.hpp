@@ -33,7 +33,8 @@ class ReceiverReader {
           owners_(receivers.owners, receivers.owner_stride, 1) {}
 
     UnitReceiver operator[](std::size_t i) const {
-        return unit_receiver(positions_.vec3(i), normals_.vec3(i), owners_ ? *owners_.at(i) : DFIELD_NO_INSTANCE);
+        return unit_receiver(positions_.vec3(i), normals_.vec3(i),
+                             owners_ ? *owners_.at(i) : DFIELD_NO_INSTANCE);
     }
 
   private:

@@ -16,12 +16,13 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Box of the unit sphere's image under x -> linear x + centre, a little larger: rounding of queries must not lead past
-// it.
+// Box of the unit sphere's image under x -> linear x + centre, a little larger: rounding of queries must not
+// lead past it.
 Box box_of_ball(const glm::dmat3& linear, const glm::dvec3& centre) {
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
-        const double half = 1.00001 * glm::length(glm::dvec3(linear[0][axis], linear[1][axis], linear[2][axis]));
+        const double half =
+            1.00001 * glm::length(glm::dvec3(linear[0][axis], linear[1][axis], linear[2][axis]));
         box.low[axis] = std::nextafter(static_cast<float>(centre[axis] - half), -kInfinity);
         box.high[axis] = std::nextafter(static_cast<float>(centre[axis] + half), kInfinity);
     }
@@ -74,7 +75,8 @@ void place(Instance& instance, const float* object_to_world) {
     if (maps.lines) {
         const glm::dmat3 table_to_world = linear * glm::inverse(glm::dmat3(maps.lines->to_unit));
         const Box table = box_of_ball(table_to_world, linear * glm::dvec3(maps.lines->centre) + translation);
-        instance.bounds = {glm::min(instance.bounds.low, table.low), glm::max(instance.bounds.high, table.high)};
+        instance.bounds = {glm::min(instance.bounds.low, table.low),
+                           glm::max(instance.bounds.high, table.high)};
     }
 }
 
@@ -142,8 +144,8 @@ void dfield_scene_release(dfield_scene* scene) {
     if (scene) scene->release();
 }
 
-dfield_status dfield_scene_add_instance(dfield_scene* scene, dfield_field* field, const float* object_to_world,
-                                        dfield_instance* instance) {
+dfield_status dfield_scene_add_instance(dfield_scene* scene, dfield_field* field,
+                                        const float* object_to_world, dfield_instance* instance) {
     using namespace dfield::runtime;
     return guarded([&] {
         require(scene && field && instance, "dfield_scene_add_instance: scene, field or instance is null");

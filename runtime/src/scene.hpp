@@ -41,8 +41,8 @@ struct LeavingBox {
     }
 };
 
-// Where an instance's line table looks things up: the space whose unit sphere is the table's bounding sphere or
-// ellipsoid.
+// Where an instance's line table looks things up: the space whose unit sphere is the table's bounding sphere
+// or ellipsoid.
 struct LineSpace {
     glm::mat3 to_unit{1};  // x_unit = to_unit * x_world + offset
     glm::vec3 offset{0};
@@ -59,9 +59,9 @@ struct Instance {
     glm::mat3 to_world{1};  // linear part of the inverse
     // Box of the object in unit space.
     glm::vec3 box_centre{0}, box_half{0};
-    Box bounds{};                    // of all that queries look up: the bounding sphere or ellipsoid, in the world
+    Box bounds{};  // of all that queries look up: the bounding sphere or ellipsoid, in the world
     glm::mat4x3 object_to_world{1};  // as the caller gave it
-    LineSpace lines;  // of fields with a line table
+    LineSpace lines;                 // of fields with a line table
 
     // Points carry the translation, directions do not; neither is renormalised, so t stays the world's.
     glm::vec3 carry_point(const glm::vec3& x) const { return to_unit * x + unit_offset; }

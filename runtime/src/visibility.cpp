@@ -1,16 +1,16 @@
-// Ambient occlusion of receivers: Algorithm 2 of the paper, receiver by receiver, all casters for a block of rays.
-// reference.cpp is the plain form; this one carries the whole hemisphere into object space by one matrix and hands it
-// to the kernels in rays/.
+// Ambient occlusion of receivers: Algorithm 2 of the paper, receiver by receiver, all casters for a block of
+// rays. reference.cpp is the plain form; this one carries the whole hemisphere into object space by one
+// matrix and hands it to the kernels in rays/.
 #include "visibility.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
-#include <numeric>
 
 #include "format/frame.hpp"
 #include "kind.hpp"
@@ -55,7 +55,8 @@ bool reaches_front(const Box& box, const UnitReceiver& receiver) {
 // One receiver against a scene, a block of rays at a time.
 class ReceiverRays {
   public:
-    ReceiverRays(const SceneState& scene, const dfield_ao& ao, const RayLookups& lookups, const UnitReceiver& receiver)
+    ReceiverRays(const SceneState& scene, const dfield_ao& ao, const RayLookups& lookups,
+                 const UnitReceiver& receiver)
         : scene_(scene), ao_(ao), lookups_(lookups), receiver_(receiver), frame_(1) {
         // Carries the directions of `ao` into the world: the normal's frame, or the world itself.
         if (ao.sampling == DFIELD_SAMPLING_HEMISPHERE) {
@@ -72,7 +73,8 @@ class ReceiverRays {
             Blocked blocked{};
             if (scene_.ground) {
                 const glm::vec3 normal = scene_.ground->normal * frame_;
-                for (std::size_t i = 0; i < count; ++i) blocked[i] = glm::dot(normal, direction(begin + i)) < 0;
+                for (std::size_t i = 0; i < count; ++i)
+                    blocked[i] = glm::dot(normal, direction(begin + i)) < 0;
             }
             for_instances([&](const RayKernels& kernels, const RayQuery& query) {
                 kernels.any_hits(query, &ao_.x[begin], &ao_.y[begin], &ao_.z[begin], count, blocked.data());
@@ -90,7 +92,8 @@ class ReceiverRays {
             nearest.fill(kInfinity);
             if (scene_.ground) {
                 const Plane& ground = *scene_.ground;
-                const float height = std::max(glm::dot(ground.normal, receiver_.position) - ground.distance, 0.0f);
+                const float height =
+                    std::max(glm::dot(ground.normal, receiver_.position) - ground.distance, 0.0f);
                 const glm::vec3 normal = ground.normal * frame_;
                 for (std::size_t i = 0; i < count; ++i) {
                     const float approach = glm::dot(normal, direction(begin + i));
@@ -129,10 +132,12 @@ class ReceiverRays {
             const dfield_kind kind = kind_for(ao_, *instance.field);
             if (kind == DFIELD_KIND_DIRECTIONS) return;  // batch/ answers for it
             if (kind == DFIELD_KIND_LINES)
-                return look_up(lookups_.lines, line_query(instance, receiver_.position, frame_, ao_.bias, in_front));
+                return look_up(lookups_.lines,
+                               line_query(instance, receiver_.position, frame_, ao_.bias, in_front));
             const glm::mat3 carry = instance.to_unit * frame_;
-            look_up(lookups_.maps, RayQuery{instance.field, origin, carry,
-                                            LeavingDirections(instance.leaving_box(origin), carry), ao_.bias, in_front});
+            look_up(lookups_.maps,
+                    RayQuery{instance.field, origin, carry,
+                             LeavingDirections(instance.leaving_box(origin), carry), ao_.bias, in_front});
         };
         if (scene_.hierarchy)
             scene_.hierarchy->traverse([&](const Box& box) { return reaches_front(box, receiver_); }, visit);
@@ -147,11 +152,25 @@ class ReceiverRays {
     glm::mat3 frame_;
 };
 
+// Eight rays at a time: each byte of the sum counts up to kRayBlock / 8 of them.
+std::size_t blocked_rays(const Blocked& blocked, std::size_t count) {
+    static_assert(kRayBlock / 8 < 256);
+    std::uint64_t sums = 0, word;
+    std::size_t hits = 0, i = 0;
+    for (; i + 8 <= count; i += 8) {
+        std::memcpy(&word, &blocked[i], 8);
+        sums += word;
+    }
+    for (; i < count; ++i) hits += blocked[i];
+    for (int byte = 0; byte < 8; ++byte) hits += sums >> 8 * byte & 255;
+    return hits;
+}
+
 float visibility_of(const ReceiverRays& rays, const dfield_ao& ao) {
     if (ao.any_hit() && ao.even()) {
         std::size_t hits = 0;
         rays.any_hits([&](std::size_t, std::size_t count, const Blocked& blocked) {
-            hits += std::accumulate(blocked.begin(), blocked.begin() + count, std::size_t{0});
+            hits += blocked_rays(blocked, count);
         });
         return std::clamp(1 - static_cast<float>(hits) * ao.weight(0), 0.0f, 1.0f);
     }

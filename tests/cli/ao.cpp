@@ -83,6 +83,7 @@ std::string model(const char* name) {
 const Arguments kField{"--subdivision", "24", "--map-size", "24", "--rays", "64"};
 // Grey levels of 255, measured (11.71, +0.80, 4.22) and 15% more. By lookup an object's own shadow is
 // multiplied with that of others as if they fell independently: most of the difference.
+constexpr double kLimitRmsUnited = 5, kLimitBiasUnited = 2;
 constexpr double kLimitRms = 13.5, kLimitBias = 0.95, kLimitRmsNoSelf = 4.9;
 
 }  // namespace
@@ -144,6 +145,56 @@ TEST_CASE("ao of a scene with instances: lookup agrees with ray casting, each me
     bool lighter = true;
     for (std::size_t i = 0; i < lookup.size(); ++i) lighter = lighter && without[i] >= lookup[i] - 1e-6;
     CHECK(lighter);
+}
+
+TEST_CASE("ao by direction maps unites an object's own shadow with that of others") {
+    const Shell shell;
+    const std::string scene = model("scene_instances.glb");
+    const Arguments few{"--rays", "96"};
+    const auto with = [&](const std::string& output, Arguments more) {
+        more.insert(more.end(), few.begin(), few.end());
+        return ao(shell, scene, output, more).json();
+    };
+    const Json json = with("lookup.glb", {"--direction-count", "402"});
+    CHECK(json.at("kind") == "directions");  // auto
+    CHECK(json.at("sampling") == "shared");
+    CHECK(json.at("rays_per_vertex") == 96);
+    const Json rays = with("rays.glb", {"--method", "rays"});
+    CHECK(rays.at("kind") == "none");
+    CHECK(rays.at("sampling") == "shared");
+    const Difference difference = grey_difference(occlusion_of(shell.folder() / "lookup.glb"),
+                                                  occlusion_of(shell.folder() / "rays.glb"));
+    std::printf("ao by direction maps against rays: %.2f grey RMS, bias %+.2f\n", difference.rms, difference.bias);
+    CHECK(difference.rms < kLimitRmsUnited);
+    CHECK(std::fabs(difference.bias) < kLimitBiasUnited);
+}
+
+TEST_CASE("ao --kind: what answers, and what auto takes") {
+    const Shell shell;
+    const auto answer = [&](const Arguments& more) {
+        Arguments arguments{"--ground", "-0.5", "--rays", "16"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        SmallGltf gltf;
+        Json& nodes = gltf.json["nodes"];
+        gltf.json["scenes"][0]["nodes"].push_back(nodes.size());
+        nodes.push_back({{"name", "above"}, {"mesh", 0}, {"translation", {0, 0, 0.5}}});
+        gltf.write_glb(shell.folder() / "two.glb");
+        return ao(shell, "two.glb", "out.glb", arguments).json();
+    };
+    CHECK(answer({}).at("kind") == "directions");
+    CHECK(answer({"--max-distance", "1"}).at("kind") == "maps");
+    CHECK(answer({"--bias", "0.1"}).at("kind") == "maps");
+    CHECK(answer({"--map-size", "8", "--subdivision", "4"}).at("kind") == "maps");
+    CHECK(answer({"--rays", "4097"}).at("kind") == "maps");
+    for (const std::string kind : {"maps", "lines", "directions"}) {
+        const Json json = answer({"--kind", kind});
+        CHECK(json.at("kind") == kind);
+        CHECK(json.at("sampling") == (kind == "directions" ? "shared" : "hemisphere"));
+        // One quad 0.5 over another: each kind sees the same.
+        CHECK(json.at("mean_visibility").get<double>() ==
+              Approx(answer({"--method", "rays", "--kind", kind}).at("mean_visibility").get<double>()).margin(0.03));
+        CHECK(answer({"--kind", kind, "--max-distance", "0.6"}).at("kind") == kind);
+    }
 }
 
 TEST_CASE("ao of a model without nodes, to GLB and to PLY") {

@@ -1,5 +1,6 @@
-// libFuzzer: edits, snapshots and receiver sets with any floats: NaN, infinities, zero scale, denormals. A transform is
-// refused or usable; every query has a defined answer, the same from a snapshot, and an updated set has a new set's.
+// libFuzzer: edits, snapshots and receiver sets with any floats: NaN, infinities, zero scale, denormals. A
+// transform is refused or usable; every query has a defined answer, the same from a snapshot, and an updated
+// set has a new set's.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,7 +31,8 @@ class Input {
     }
     // Mostly tame, now and then any bits at all.
     float number() {
-        static constexpr float kOdd[] = {0.0f, -0.0f, 1e-40f, 1e-20f, 1e20f, 3e38f, -3e38f, INFINITY, -INFINITY, NAN};
+        static constexpr float kOdd[] = {0.0f,  -0.0f,  1e-40f,   1e-20f,    1e20f,
+                                         3e38f, -3e38f, INFINITY, -INFINITY, NAN};
         const std::uint8_t kind = byte();
         if (kind < 200) return static_cast<float>(kind - 100) * 0.05f;
         if (kind < 200 + std::size(kOdd)) return kOdd[kind - 200];
@@ -59,7 +61,7 @@ struct Fields {
     std::vector<Ao> settings;
 
     Fields() {
-        for (const char* name : {"v1.1-all-kinds", "v1.1-directions", "v1.0-8bit", "v1.0-1bit"})
+        for (const char* name : {"v1.1-all-kinds", "v1.0-8bit", "v1.0-1bit"})
             fields.push_back(Field::load(
                 context, (std::string(DFIELD_SOURCE_DIR "/tests/golden/") + name + ".dfield").c_str()));
         for (const std::uint32_t sampling : {DFIELD_SAMPLING_HEMISPHERE, DFIELD_SAMPLING_SHARED})
@@ -81,7 +83,8 @@ void edit(Input& input, Scene& scene, const Fields& shared, std::vector<dfield_i
     dfield_instance id = ids.empty() ? 0 : ids[input.byte() % ids.size()];
     const std::array<float, 16> m = input.transform();
     if (which < 3 && ids.size() < 6) {
-        if (dfield_scene_add_instance(scene.get(), field.get(), m.data(), &id) == DFIELD_OK) ids.push_back(id);
+        if (dfield_scene_add_instance(scene.get(), field.get(), m.data(), &id) == DFIELD_OK)
+            ids.push_back(id);
     } else if (which == 3) {
         if (dfield_scene_remove_instance(scene.get(), id) == DFIELD_OK) std::erase(ids, id);
     } else if (which == 4) {

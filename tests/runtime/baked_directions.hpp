@@ -8,7 +8,8 @@ namespace dfield::test {
 
 // Displacement maps as baked_bytes makes them, and one level of direction maps.
 inline std::vector<std::byte> baked_directions_bytes(const TriangleMesh& mesh, std::uint32_t subdivision = 6,
-                                                     std::uint32_t map_size = 16, std::uint32_t depth_size = 8) {
+                                                     std::uint32_t map_size = 16,
+                                                     std::uint32_t depth_size = 8) {
     BakeOptions options;
     options.parameters = {Positions::kSlater, 6, Mapping::kConcentric, 8, 8};
     DisplacementField field = bake_field(mesh, options);

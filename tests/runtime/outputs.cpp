@@ -1,4 +1,5 @@
-// What masks turn into: visibility, bytes, bent normals, harmonics; closed forms, and all levels of SIMD alike.
+// What masks turn into: visibility, bytes, bent normals, harmonics; closed forms, and all levels of SIMD
+// alike.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -110,7 +111,8 @@ TEST_CASE("Outputs are the sums over the mask that the header states") {
         for (const std::uint32_t rays : {256u, 500u}) {
             const Ao ao(context, settings(sampling, rays));
             for (int i = 0; i < 20; ++i) {
-                const glm::vec3 position(random.uniform(-2, 2), random.uniform(-2, 2), 0), n(random.direction());
+                const glm::vec3 position(random.uniform(-2, 2), random.uniform(-2, 2), 0),
+                    n(random.direction());
                 const Answer answer = ask(scene, ao, position, n);
                 float tangent[3], bitangent[3];
                 dfield_frame(&n.x, tangent, bitangent);
@@ -139,8 +141,10 @@ TEST_CASE("Outputs are the sums over the mask that the header states") {
                 CHECK(answer.visibility == Approx(open / all).margin(2e-3));
                 CHECK(answer.byte == static_cast<int>(answer.visibility * 255 + 0.5f));
                 bent = open > 0 ? glm::normalize(bent) : glm::dvec3(n);
-                for (int axis = 0; axis < 3; ++axis) CHECK(answer.bent[axis] == Approx(bent[axis]).margin(1e-4));
-                for (std::size_t k = 0; k < 9; ++k) CHECK(answer.harmonics[k] == Approx(sums[k] / all).margin(1e-5));
+                for (int axis = 0; axis < 3; ++axis)
+                    CHECK(answer.bent[axis] == Approx(bent[axis]).margin(1e-4));
+                for (std::size_t k = 0; k < 9; ++k)
+                    CHECK(answer.harmonics[k] == Approx(sums[k] / all).margin(1e-5));
                 // Bits beyond the last ray.
                 if (rays % 32 != 0) CHECK(answer.mask.back() >> rays % 32 == 0);
 
@@ -174,8 +178,8 @@ TEST_CASE("All levels of SIMD give the same outputs") {
     const auto bytes = baked_directions_bytes(box_mesh({-1, -0.7f, -1}, {1, 0.7f, 1}), 8, 32);
     std::vector<float> expected;
     std::vector<std::uint32_t> expected_masks;
-    for (const std::uint32_t simd : {DFIELD_SIMD_SCALAR, DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_AVX512,
-                                     DFIELD_SIMD_NEON, DFIELD_SIMD_BEST}) {
+    for (const std::uint32_t simd : {DFIELD_SIMD_SCALAR, DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2,
+                                     DFIELD_SIMD_AVX512, DFIELD_SIMD_NEON, DFIELD_SIMD_BEST}) {
         dfield_context_desc hooks{};
         hooks.struct_size = sizeof hooks;
         hooks.simd = simd;
@@ -193,7 +197,8 @@ TEST_CASE("All levels of SIMD give the same outputs") {
         for (const std::uint32_t sampling : {DFIELD_SAMPLING_HEMISPHERE, DFIELD_SAMPLING_SHARED}) {
             const Ao ao(context, settings(sampling, 144));
             for (int i = 0; i < 40; ++i) {
-                const glm::vec3 position(random.uniform(-2, 2), random.uniform(-2, 2), 0), n(random.direction());
+                const glm::vec3 position(random.uniform(-2, 2), random.uniform(-2, 2), 0),
+                    n(random.direction());
                 const Answer answer = ask(scene, ao, position, n);
                 found.push_back(answer.visibility);
                 found.insert(found.end(), answer.bent, answer.bent + 3);
@@ -227,7 +232,8 @@ TEST_CASE("A light's share falls out of a mask") {
         const Ao ao(context, settings(sampling, 1024));
         // A light overhead of some 15 degrees; the box hides it from the middle, not from afar.
         std::vector<float> weights(1024);
-        for (std::size_t r = 0; r < weights.size(); ++r) weights[r] = ao.directions()[3 * r + 2] > 0.96f ? 1 : 0;
+        for (std::size_t r = 0; r < weights.size(); ++r)
+            weights[r] = ao.directions()[3 * r + 2] > 0.96f ? 1 : 0;
         const glm::vec3 positions[2] = {{0, 0, 0}, {5, 0, 0}}, normals[2] = {{0, 0, 1}, {0, 0, 2}};
         dfield_receivers receivers{};
         receivers.count = 2;
@@ -269,13 +275,16 @@ TEST_CASE("Shared directions: anywhere, of any weight") {
         dfield_ao* handle = nullptr;
         CHECK(dfield_ao_create(context.get(), &bad, &handle) == DFIELD_INVALID_ARGUMENT);
     };
-    const float negative[3] = {1, -1, 1}, infinite[3] = {1, std::numeric_limits<float>::infinity(), 1}, lengthy[9]{2};
+    const float negative[3] = {1, -1, 1}, infinite[3] = {1, std::numeric_limits<float>::infinity(), 1},
+                lengthy[9]{2};
     refused([&](auto& bad) { bad.weights = negative; });
     refused([&](auto& bad) { bad.weights = infinite; });
     refused([&](auto& bad) { bad.directions = lengthy; });
     refused([&](auto& bad) { bad.sampling = 2; });
     refused([&](auto& bad) { bad.kind = 4; });
-    refused([&](auto& bad) { bad.ray_count = DFIELD_MAX_SHARED_RAYS + 1, bad.directions = nullptr, bad.weights = nullptr; });
+    refused([&](auto& bad) {
+        bad.ray_count = DFIELD_MAX_SHARED_RAYS + 1, bad.directions = nullptr, bad.weights = nullptr;
+    });
     refused([&](auto& bad) { bad.struct_size -= 1; });
 }
 
@@ -301,7 +310,8 @@ TEST_CASE("Structs of version 0.1 are understood") {
 
     dfield_context_desc hooks{};
     hooks.struct_size = offsetof(dfield_context_desc, log);
-    std::memset(reinterpret_cast<unsigned char*>(&hooks) + hooks.struct_size, 0xee, sizeof hooks - hooks.struct_size);
+    std::memset(reinterpret_cast<unsigned char*>(&hooks) + hooks.struct_size, 0xee,
+                sizeof hooks - hooks.struct_size);
     dfield_context* handle = nullptr;
     REQUIRE(dfield_context_create(&hooks, &handle) == DFIELD_OK);
     dfield_context_release(handle);

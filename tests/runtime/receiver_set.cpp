@@ -35,8 +35,8 @@ struct Results {
         const auto same = [](const auto& a, const auto& b) {
             return std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
         };
-        return same(visibility, other.visibility) && same(bent, other.bent) && same(harmonics, other.harmonics) &&
-               bytes == other.bytes && masks == other.masks;
+        return same(visibility, other.visibility) && same(bent, other.bent) &&
+               same(harmonics, other.harmonics) && bytes == other.bytes && masks == other.masks;
     }
 };
 
@@ -100,7 +100,8 @@ ReceiverList some_receivers(Random& random, std::size_t count, std::uint32_t ids
         const double reach = attached ? 1.5 : 6;
         list.positions.emplace_back(random.uniform(-reach, reach), random.uniform(-reach, reach),
                                     attached ? random.uniform(-1, 1) : random.uniform(-0.5, 1));
-        list.normals.push_back(random.below(2) == 0 ? glm::vec3(0, 0, 1) : glm::vec3(random.direction() * 3.0));
+        list.normals.push_back(random.below(2) == 0 ? glm::vec3(0, 0, 1)
+                                                    : glm::vec3(random.direction() * 3.0));
         list.attached.push_back(attached ? random.below(ids) : DFIELD_NO_INSTANCE);
         list.owners.push_back(attached && random.below(2) == 0 ? list.attached.back() : DFIELD_NO_INSTANCE);
         list.self.push_back(random.below(2) == 0 ? 1.0f : 0.5f);
@@ -115,7 +116,7 @@ void check_edits(const Context& context, const dfield_ao_desc& desc, const std::
     const Ao ao(context, desc);
     Scene scene(context);
     Editor editor(scene, fields, 7);
-    for (int i = 0; i < 9; ++i) editor.add();
+    for (int i = 0; i < 30; ++i) editor.add();
     Random random(11);
     const ReceiverList list = some_receivers(random, receiver_count, 6);
     ReceiverSet set(context, ao, list.view(), list.attached.data());
@@ -139,7 +140,8 @@ void check_edits(const Context& context, const dfield_ao_desc& desc, const std::
         REQUIRE(all == expected);
         REQUIRE(kept == expected);
         REQUIRE(std::memcmp(set.visibility(), expected.visibility.data(), list.size() * sizeof(float)) == 0);
-        REQUIRE(std::memcmp(fresh.visibility(), expected.visibility.data(), list.size() * sizeof(float)) == 0);
+        REQUIRE(std::memcmp(fresh.visibility(), expected.visibility.data(), list.size() * sizeof(float)) ==
+                0);
     }
     // The updates were worth testing.
     CHECK(partial > 0);
@@ -173,8 +175,12 @@ TEST_CASE("An update is a computation from scratch, bit for bit") {
     const std::vector<const Field*> fields{&box, &pair};
 
     // More than one chunk of receivers; two slabs of directions.
-    SECTION("shared directions") { check_edits(context, shared(96), fields, scalar ? 300 : 3000, scalar ? 12 : 60); }
-    SECTION("many shared directions") { check_edits(context, shared(700), fields, 200, scalar ? 6 : 40); }
+    SECTION("shared directions") {
+        check_edits(context, shared(96), fields, scalar ? 300 : 3000, scalar ? 12 : 60);
+    }
+    SECTION("many shared directions") {
+        check_edits(context, shared(700), fields, 200, scalar ? 6 : 40);
+    }
     SECTION("shared directions, displacement maps") {
         dfield_ao_desc desc = shared(64);
         desc.kind = DFIELD_KIND_MAPS;

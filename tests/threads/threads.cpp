@@ -19,7 +19,8 @@ TEST_CASE("Snapshots are queried while the scene is edited and committed") {
     hooks.struct_size = sizeof hooks;
     threads.install(hooks);
     const Context context(&hooks);
-    const Field field = Field::load(context, source_file("tests/golden/v1.1-all-kinds.dfield").string().c_str());
+    const Field field =
+        Field::load(context, source_file("tests/golden/v1.1-all-kinds.dfield").string().c_str());
     Scene scene(context);
     Random random(4);
     std::vector<dfield_instance> ids;
@@ -84,7 +85,8 @@ TEST_CASE("The thread adapter covers every index once, also from within itself a
         threads.parallel_for(
             count,
             [](void* data, std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) ++(*static_cast<std::vector<std::atomic<int>>*>(data))[i];
+                for (std::size_t i = begin; i < end; ++i)
+                    ++(*static_cast<std::vector<std::atomic<int>>*>(data))[i];
             },
             &seen);
         return std::all_of(seen.begin(), seen.end(), [](const auto& times) { return times == 1; });
@@ -108,7 +110,10 @@ TEST_CASE("The thread adapter covers every index once, also from within itself a
             Nested& outer = *static_cast<Nested*>(data);
             for (std::size_t i = begin; i < end; ++i)
                 outer.threads.parallel_for(
-                    10, [](void* inner, std::size_t b, std::size_t e) { static_cast<Nested*>(inner)->sum += e - b; },
+                    10,
+                    [](void* inner, std::size_t b, std::size_t e) {
+                        static_cast<Nested*>(inner)->sum += e - b;
+                    },
                     data);
         },
         &nested);

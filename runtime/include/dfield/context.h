@@ -10,8 +10,8 @@ extern "C" {
 
 typedef struct dfield_context dfield_context;
 
-/* Instruction sets of the queries, as a cap: the best one up to it that the machine has. Results differ between
-   levels in the last bits only; SCALAR is plain C++. */
+/* Instruction sets of the queries, as a cap: the best one up to it that the machine has. Results differ
+   between levels in the last bits only; SCALAR is plain C++. */
 typedef enum dfield_simd {
     DFIELD_SIMD_BEST = 0, /* no cap */
     DFIELD_SIMD_SCALAR = 1,
@@ -30,13 +30,15 @@ typedef struct dfield_context_desc {
     size_t struct_size; /* sizeof(dfield_context_desc) */
     void* user;         /* handed to every hook */
     /* Both or neither. Called by what creates, loads, edits, commits, updates and releases, from the calling
-       thread; never in queries. `allocate` returns null on failure. `alignment` is a power of two. */
+       thread (updates: also from the threads of parallel_for); never in queries. `allocate` returns null on
+       failure. `alignment` is a power of two. */
     void* (*allocate)(void* user, size_t size, size_t alignment);
     void (*deallocate)(void* user, void* memory, size_t size, size_t alignment);
     /* Optional: runs body(data, begin, end) over disjoint ranges that cover [0, count), on any threads, and
        returns when all have ended. Queries and updates hand their batches to it. Without it they run on the
        calling thread. dfield/threads.hpp has one on std::thread. */
-    void (*parallel_for)(void* user, size_t count, void (*body)(void* data, size_t begin, size_t end), void* data);
+    void (*parallel_for)(void* user, size_t count, void (*body)(void* data, size_t begin, size_t end),
+                         void* data);
     /* Optional: one line of text without line end; level is a dfield_log_level. Called when a context is made
        and when a field is loaded, from the calling thread; never in queries. */
     void (*log)(void* user, int level, const char* message);

@@ -104,7 +104,8 @@ class Ao {
         return result;
     }
     // Visibility from masks; weights may be null. As dfield_ao_gather.
-    void gather(const dfield_receivers& receivers, const std::uint32_t* masks, const float* weights, float* result) const {
+    void gather(const dfield_receivers& receivers, const std::uint32_t* masks, const float* weights,
+                float* result) const {
         check(dfield_ao_gather(handle_.get(), &receivers, masks, 0, weights, result, 0));
     }
     dfield_ao* get() const noexcept { return handle_.get(); }
@@ -133,7 +134,8 @@ class Queries {
     void ambient(const Ao& ao, const dfield_receivers& receivers, const dfield_outputs& outputs) const {
         check(dfield_scene_ambient(scene(), ao.get(), &receivers, &outputs));
     }
-    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result, std::size_t stride = 0) const {
+    void visibility(const Ao& ao, const dfield_receivers& receivers, float* result,
+                    std::size_t stride = 0) const {
         check(dfield_scene_visibility(scene(), ao.get(), &receivers, result, stride));
     }
     void visibility_mask(const Ao& ao, const dfield_receivers& receivers, std::uint32_t* masks,

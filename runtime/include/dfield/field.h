@@ -62,8 +62,10 @@ typedef struct dfield_load_desc {
 DFIELD_API dfield_status dfield_field_load_memory(dfield_context* context, const void* bytes, size_t size,
                                                   dfield_field** field);
 /* The same from a file; path is UTF-8 (on Windows too). */
-DFIELD_API dfield_status dfield_field_load_file(dfield_context* context, const char* path, dfield_field** field);
-/* The same of a part of the bytes of a file; DFIELD_INVALID_ARGUMENT when it holds none of the wanted kinds. */
+DFIELD_API dfield_status dfield_field_load_file(dfield_context* context, const char* path,
+                                                dfield_field** field);
+/* The same of a part of the bytes of a file; DFIELD_INVALID_ARGUMENT when it holds none of the wanted kinds.
+ */
 DFIELD_API dfield_status dfield_field_load_part(dfield_context* context, const dfield_load_desc* desc,
                                                 const void* bytes, size_t size, dfield_field** field);
 
@@ -73,9 +75,9 @@ DFIELD_API void dfield_field_release(dfield_field* field); /* null is fine */
 
 DFIELD_API dfield_status dfield_field_get_info(const dfield_field* field, dfield_field_info* info);
 
-/* Visibility (1 = open) of the object's own vertices past the object itself, as baked by `dfield bake --self`,
-   in the order of the vertices in the baked model: self_vertex_count floats that live as long as the field.
-   Null when the field has none. */
+/* Visibility (1 = open) of the object's own vertices past the object itself, as baked by `dfield bake
+   --self`, in the order of the vertices in the baked model: self_vertex_count floats that live as long as the
+   field. Null when the field has none. */
 DFIELD_API const float* dfield_field_get_self_visibility(const dfield_field* field);
 
 #ifdef __cplusplus

@@ -15,14 +15,16 @@ typedef struct dfield_receiver_set_desc {
     size_t struct_size;         /* sizeof(dfield_receiver_set_desc) */
     dfield_ao* ao;              /* kept */
     dfield_receivers receivers; /* copied */
-    /* May be null. The instance that a receiver is attached to, DFIELD_NO_INSTANCE for none: position and normal are
-       then in that instance's object space and move with it. Without the instance in the scene it is open. */
+    /* May be null. The instance that a receiver is attached to, DFIELD_NO_INSTANCE for none: position and
+       normal are then in that instance's object space and move with it. Without the instance in the scene it
+       is open. */
     const dfield_instance* attached;
     size_t attached_stride;
 } dfield_receiver_set_desc;
 
 /* All are open until the first update. */
-DFIELD_API dfield_status dfield_receiver_set_create(dfield_context* context, const dfield_receiver_set_desc* desc,
+DFIELD_API dfield_status dfield_receiver_set_create(dfield_context* context,
+                                                    const dfield_receiver_set_desc* desc,
                                                     dfield_receiver_set** set);
 DFIELD_API void dfield_receiver_set_release(dfield_receiver_set* set); /* null is fine */
 
@@ -32,15 +34,16 @@ typedef struct dfield_update_stats {
     size_t changed;   /* receivers whose result is another one now */
 } dfield_update_stats;
 
-/* Brings all results to the state of `snapshot`, which may be of any scene of the set's context; the set keeps it
-   until the next update. Looks again only at what the old and the new places of changed instances can affect, and
-   ends with what a new set would compute, bit for bit. The ground's change computes all again. `stats` may be null.
-   Allocates through the hooks. On failure the set is as before, or all is computed again by the next update. */
+/* Brings all results to the state of `snapshot`, which may be of any scene of the set's context; the set
+   keeps it until the next update. Looks again only at what the old and the new places of changed instances
+   can affect, and ends with what a new set would compute, bit for bit. The ground's change computes all
+   again. `stats` may be null. Allocates through the hooks. On failure the set is as before, or all is
+   computed again by the next update. */
 DFIELD_API dfield_status dfield_receiver_set_update(dfield_receiver_set* set, dfield_snapshot* snapshot,
                                                     dfield_update_stats* stats);
 
-/* One float a receiver in the order that they were given in, as dfield_outputs.visibility. The pointer stays, the
-   values change with updates. */
+/* One float a receiver in the order that they were given in, as dfield_outputs.visibility. The pointer stays,
+   the values change with updates. */
 DFIELD_API const float* dfield_receiver_set_get_visibility(const dfield_receiver_set* set);
 
 /* Indices of the receivers that the last update changed, in no certain order; valid until the next update. */

@@ -1,5 +1,5 @@
-// A parallel_for hook on std::thread, for programs without a job system of their own. Header-only, C++17; not part of
-// the library, which owns no threads.
+// A parallel_for hook on std::thread, for programs without a job system of their own. Header-only, C++17; not
+// part of the library, which owns no threads.
 //
 //     dfield::Threads threads;                       // one worker a core, the caller included
 //     dfield_context_desc desc{};
@@ -21,8 +21,8 @@
 
 namespace dfield {
 
-// Workers that wait for loops. Any thread may start a loop; loops of several threads run one after the other, and a
-// loop started from within a loop runs on the thread that starts it.
+// Workers that wait for loops. Any thread may start a loop; loops of several threads run one after the other,
+// and a loop started from within a loop runs on the thread that starts it.
 class Threads {
   public:
     // count: threads that work on a loop, the calling one included; 0 = one a core.
@@ -49,8 +49,12 @@ class Threads {
         if (count == 0) return;
         if (workers_.empty() || inside() || count < 2) return body(data, 0, count);
         const std::lock_guard<std::mutex> one_loop(loops_);
-        // Some pieces a thread, so that an uneven one does not keep the others waiting.
-        Loop loop{body, data, count, std::max<std::size_t>(1, count / (8 * size()))};
+        // Some pieces a thread, so that an uneven one does not keep the others waiting; long ones in
+        // multiples of what queries take at a time.
+        constexpr std::size_t kBatch = 2048;
+        std::size_t piece = std::max<std::size_t>(1, count / (4 * size()));
+        if (piece > kBatch / 2) piece = (piece + kBatch - 1) / kBatch * kBatch;
+        Loop loop{body, data, count, piece};
         {
             const std::lock_guard<std::mutex> lock(mutex_);
             loop_ = &loop;
@@ -66,8 +70,8 @@ class Threads {
         loop_ = nullptr;
     }
 
-    // Makes this the hook of a context to be created; takes its `user`, so allocation hooks that need one set their
-    // own parallel_for and call the function above.
+    // Makes this the hook of a context to be created; takes its `user`, so allocation hooks that need one set
+    // their own parallel_for and call the function above.
     void install(dfield_context_desc& desc) {
         desc.user = this;
         desc.parallel_for = [](void* user, std::size_t count, void (*body)(void*, std::size_t, std::size_t),

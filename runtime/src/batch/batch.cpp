@@ -105,12 +105,18 @@ BatchShare batch_share(const SceneState& scene, const dfield_ao& ao) {
 
 DirectionCaster direction_caster(const dfield_ao& ao, const Instance& instance, dfield_instance id) {
     const dfield_field& field = *instance.field;
+    const auto& levels = field.maps.directions;
+    const bool choose = ao.level_error > 0 && levels.size() > 1;
+    const float reach = *std::max_element(field.direction_reach.begin(), field.direction_reach.end());
     return {instance,
-            field.maps.directions.back(),
+            levels.back(),
             -(instance.to_world * instance.unit_offset),
-            1.0001f * field.direction_reach.back() * stretch(instance.to_world),
+            1.0001f * reach * stretch(instance.to_world),
             ao.bias,
-            id};
+            id,
+            choose ? std::span<const DirectionMaps>(levels) : std::span<const DirectionMaps>(),
+            field.level_disagreement.data(),
+            ao.level_error};
 }
 
 void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks) {

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
+#include <span>
 
 #include "batch/shared_directions.hpp"
 #include "dfield/dfield.h"
@@ -69,7 +71,31 @@ struct DirectionCaster {
     float reach;       // world: where a line that hits crosses its pivot plane lies within it of `centre`
     float bias;   // world: hits nearer than this do not count, unless the object lies in front of the receiver
     dfield_instance id;
+    // All levels of detail, coarse first, of which `maps` is the finest; empty where it is the only one to read.
+    std::span<const DirectionMaps> levels = {};
+    const float* disagreements = nullptr;  // of each level: field_levels.hpp
+    float level_error = 0;
+    // Receivers that read `maps`: those whose squared distance from the bounding sphere's centre, in radii, lies
+    // within [from, to).
+    float from = 0, to = std::numeric_limits<float>::infinity();
 };
+
+// Calls look_up(caster) for each level of detail with the receivers that read it. A level whose lines disagree with
+// the finest one's in a share p errs by at most p / D^2 at distance D (in radii): the sphere's cosine-weighted share of
+// the hemisphere is at most 1 / D^2. A receiver reads the coarsest level for which that is at most level_error.
+template<class LookUp>
+void for_levels(const DirectionCaster& caster, const LookUp& look_up) {
+    if (caster.levels.empty()) return look_up(caster);
+    float to = std::numeric_limits<float>::infinity();
+    for (std::size_t level = 0; level < caster.levels.size(); ++level) {
+        const bool finest = level + 1 == caster.levels.size();
+        const float from = finest ? 0 : std::min(caster.disagreements[level] / caster.level_error, to);
+        if (from < to)
+            look_up(DirectionCaster{caster.instance, caster.levels[level], caster.centre, caster.reach, caster.bias,
+                                    caster.id, {}, nullptr, 0, from, to});
+        to = from;
+    }
+}
 
 // The kernels, one form a level of SIMD; reference.cpp has the one that reads like the method.
 struct BatchKernels {

@@ -53,8 +53,8 @@ void find_cells(const Loaded& loaded, std::size_t count, std::array<std::uint16_
     const float side = std::max({size.x, size.y, size.z});
     const float scale = side > 0 ? 0.9999f * (1 << kCellBits) / side : 0.0f;
     for (std::size_t i = 0; i < count; ++i) {
-        const auto place = [&](float value, float low) {
-            return spread(static_cast<std::uint32_t>(static_cast<std::int32_t>((value - low) * scale)) & 15);
+        const auto place = [&](float value, float low) {  // unusable receivers may hold NaN
+            return spread(static_cast<std::uint32_t>(std::min(15.0f, std::max(0.0f, (value - low) * scale))));
         };
         const std::uint32_t x = place(loaded.x[i], loaded.low.x), y = place(loaded.y[i], loaded.low.y),
                             z = place(loaded.z[i], loaded.low.z);

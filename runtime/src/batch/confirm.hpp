@@ -62,13 +62,14 @@ inline constexpr float kNearBox = 0.1f;
 
 // How an instance lies to a receiver.
 struct ReceiverSide {
-    bool behind;  // the tangent plane: hides nothing
+    bool behind;  // the tangent plane, or read from another level of detail: hides nothing
     bool cut;     // by the tangent plane
     bool near_box;
     LeavingBox leaving;
 };
-inline ReceiverSide side_of_receiver(const Instance& instance, const glm::vec3& position,
+inline ReceiverSide side_of_receiver(const DirectionCaster& caster, const glm::vec3& position,
                                      const glm::vec3& normal) {
+    const Instance& instance = caster.instance;
     const glm::vec3 origin = instance.carry_point(position);
     // Planes are carried by the transpose of the points' matrix.
     const glm::vec3 n(glm::dot(instance.to_world[0], normal), glm::dot(instance.to_world[1], normal),
@@ -76,7 +77,9 @@ inline ReceiverSide side_of_receiver(const Instance& instance, const glm::vec3& 
     const glm::vec3 away = instance.box_centre - origin, beside = glm::abs(away) - instance.box_half;
     const float length = std::sqrt(glm::dot(n, n)), height = glm::dot(n, away);
     const float extent = glm::dot(glm::abs(n), instance.box_half);
-    return {height + extent <= 0 || length - glm::dot(n, origin) <= 0,
+    const float distance = glm::dot(origin, origin);
+    const bool read = distance >= caster.from && distance < caster.to;
+    return {!read || height + extent <= 0 || length - glm::dot(n, origin) <= 0,
             height - extent < -kContactTolerance * length,
             std::max({beside.x, beside.y, beside.z}) < kNearBox, instance.leaving_box(origin)};
 }

@@ -42,7 +42,9 @@ void add_ground_distances(const Plane& ground, const DistanceRule& rule, const S
     }
 }
 
-void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
+namespace {
+
+void add_level_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
                           const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
                           ChunkOcclusion& occlusion) {
     // Everything out of reach occludes nothing.
@@ -63,13 +65,23 @@ void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& ca
                 const glm::vec3 normal(chunk.nx[i], chunk.ny[i], chunk.nz[i]);
                 MapPlace place;
                 if (!(glm::dot(normal, ray) > 0) || !lookup.hits(position, place)) continue;
-                const bool cut = side_of_receiver(caster.instance, position, normal).cut;
+                const bool cut = side_of_receiver(caster, position, normal).cut;
                 const float distance =
                     counting_distance(hit_span(caster, position, ray, place), cut, caster.bias);
                 if (distance >= 0)
                     occlusion.rows[k][i] = std::max(occlusion.rows[k][i], byte_of(rule.occlusion(distance)));
             }
     }
+}
+
+}  // namespace
+
+void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
+                          const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
+                          ChunkOcclusion& occlusion) {
+    for_levels(caster, [&](const DirectionCaster& level) {
+        add_level_distances(kernels, level, rule, slab, chunk, facing, masks, occlusion);
+    });
 }
 
 void add_occlusion(const Slab& slab, const Chunk& chunk, const ChunkOcclusion& occlusion, float* occluded) {

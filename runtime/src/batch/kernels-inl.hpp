@@ -106,6 +106,7 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
         const V nx = hn::Load(d, &chunk.nx[at]), ny = hn::Load(d, &chunk.ny[at]), nz = hn::Load(d, &chunk.nz[at]);
         const V zero = hn::Zero(d);
         V beside = hn::Set(d, -1e30f);
+        V distance = hn::Zero(d);  // squared, from the centre
         V square = hn::Zero(d), at_origin = hn::Zero(d), height = hn::Zero(d), extent = hn::Zero(d);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::vec3 row(instance.to_unit[0][axis], instance.to_unit[1][axis], instance.to_unit[2][axis]);
@@ -113,6 +114,7 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
             const V n = dot3(instance.to_world[axis], nx, ny, nz);
             const V away = hn::Sub(hn::Set(d, instance.box_centre[axis]), origin);
             const V half = hn::Set(d, instance.box_half[axis]);
+            distance = hn::MulAdd(origin, origin, distance);
             square = hn::MulAdd(n, n, square);
             at_origin = hn::MulAdd(n, origin, at_origin);
             height = hn::MulAdd(n, away, height);
@@ -123,6 +125,8 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
             beside = hn::Max(beside, hn::Sub(hn::Abs(away), half));
         }
         near_box |= mask_bits(d, hn::Lt(beside, hn::Set(d, kNearBox))) << i;
+        behind |= mask_bits(d, hn::Not(hn::And(hn::Ge(distance, hn::Set(d, caster.from)),
+                                               hn::Lt(distance, hn::Set(d, caster.to))))) << i;
         const V length = hn::Sqrt(square);
         behind |= mask_bits(d, hn::Or(hn::Le(hn::Add(height, extent), zero), hn::Le(length, at_origin))) << i;
         const V contact = hn::Mul(hn::Set(d, -kContactTolerance), length);
@@ -286,8 +290,8 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
     }
 }
 
-inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                       const ChunkFacing& facing, ChunkMasks& masks) {
+inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& facing,
+                      ChunkMasks& masks) {
     switch (caster.maps.parameters.map_size) {
         case 16:
             return add_caster_sized<16>(caster, slab, chunk, facing, masks);
@@ -298,6 +302,11 @@ inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Ch
         default:
             return add_caster_sized<128>(caster, slab, chunk, facing, masks);
     }
+}
+
+inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                       const ChunkFacing& facing, ChunkMasks& masks) {
+    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, facing, masks); });
 }
 
 inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {

@@ -24,8 +24,8 @@ void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
         for (std::size_t b = 0; b < chunk.blocks; b += 16) facing.rows[k][b / 16] = 0xffff;
 }
 
-void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
-                ChunkMasks& masks) {
+void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
+               ChunkMasks& masks) {
     for (std::size_t k = 0; k < slab.count; ++k) {
         const glm::vec3 ray = direction_of(slab.shared, slab.first + k);
         const DirectionLookup lookup(caster.maps, caster.instance, ray);
@@ -36,7 +36,7 @@ void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& ch
                 const std::size_t i = b * kLanes + lane;
                 if (!(chunk.lanes[b] >> lane & 1) || chunk.owners[i] == caster.id) continue;
                 const glm::vec3 position = position_of(chunk, i), normal = normal_of(chunk, i);
-                const ReceiverSide side = side_of_receiver(caster.instance, position, normal);
+                const ReceiverSide side = side_of_receiver(caster, position, normal);
                 const glm::vec3 w = caster.instance.carry_direction(ray);
                 MapPlace place;
                 if (!side.behind && !(side.near_box && side.leaving.leaves(w.x, w.y, w.z)) && lookup.hits(position, place) &&
@@ -46,6 +46,11 @@ void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& ch
             masks.rows[k][b] |= bits;
         }
     }
+}
+
+void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
+                ChunkMasks& masks) {
+    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, asked, masks); });
 }
 
 void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {

@@ -1,5 +1,5 @@
-// Which rays of a block can hit: a few multiplications a ray decide, and the rays that are left are packed together so
-// that the lookups that follow have every lane busy. Seen once a target.
+// Which rays of a block can hit: a few multiplications a ray decide, and the rays that are left are packed
+// together so that the lookups that follow have every lane busy. Seen once a target.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,7 +31,8 @@ struct Packed {
 
     HWY_INLINE void add(const std::array<VF, kNumbers>& values, VI ids, MF kept) {
         // Compressed in the register and stored whole: compressing stores are slow on some processors.
-        for (int k = 0; k < kNumbers; ++k) hn::StoreU(hn::Compress(values[k], kept), F(), numbers[k].data() + count);
+        for (int k = 0; k < kNumbers; ++k)
+            hn::StoreU(hn::Compress(values[k], kept), F(), numbers[k].data() + count);
         hn::StoreU(hn::Compress(ids, hn::RebindMask(I(), kept)), I(), id.data() + count);
         count += hn::CountTrue(F(), kept);
     }
@@ -41,6 +42,11 @@ struct Packed {
     }
     HWY_INLINE VI ids(std::size_t k) const { return hn::LoadU(I(), id.data() + k); }
 };
+
+// The indices of the next rays.
+HWY_INLINE VI next(VI ids) {
+    return hn::Add(ids, hn::Set(I(), static_cast<std::int32_t>(hn::Lanes(I()))));
+}
 
 // Lanes of rays [i, count) that no earlier instance has blocked.
 HWY_INLINE MF open_lanes(const std::uint8_t* blocked, std::size_t i, std::size_t count) {
@@ -52,64 +58,59 @@ HWY_INLINE MF open_lanes(const std::uint8_t* blocked, std::size_t i, std::size_t
     return hn::And(inside, hn::RebindMask(f, hn::Eq(taken, hn::Zero(I()))));
 }
 
-// |M w|^2 as a polynomial of w, and whether it is the same for all unit w.
-struct SquaredLength {
-    float xx, yy, zz, xy, xz, yz;  // mixed terms doubled
-    bool even;
+// Which directions w lead from a point o outside the unit sphere past its centre within a radius or little more, where a
+// matrix M carries them to the sphere's space: (o.Mw)^2 > (o.o - 1) |Mw|^2, a polynomial of w.
+struct Silhouette {
+    VF xx, yy, zz, xy, xz, yz;
 
-    explicit SquaredLength(const glm::mat3& m)
-        : xx(glm::dot(m[0], m[0])),
-          yy(glm::dot(m[1], m[1])),
-          zz(glm::dot(m[2], m[2])),
-          xy(2 * glm::dot(m[0], m[1])),
-          xz(2 * glm::dot(m[0], m[2])),
-          yz(2 * glm::dot(m[1], m[2])) {
-        const float largest = std::max({std::fabs(xy), std::fabs(xz), std::fabs(yz), std::fabs(xx - yy),
-                                        std::fabs(xx - zz)});
-        even = largest < 1e-4f * xx;
+    HWY_INLINE Silhouette(const glm::vec3& o, const glm::mat3& m) {
+        const glm::vec3 towards = o * m;
+        const float outside = 0.999f * (glm::dot(o, o) - 1);
+        const auto term = [&](int i, int j) { return towards[i] * towards[j] - outside * glm::dot(m[i], m[j]); };
+        xx = set(term(0, 0)), yy = set(term(1, 1)), zz = set(term(2, 2));
+        xy = set(2 * term(0, 1)), xz = set(2 * term(0, 2)), yz = set(2 * term(1, 2));
     }
-    HWY_INLINE VF of(const V3& w) const {
-        if (even) return set(xx);
-        const VF a = hn::MulAdd(set(xx), w.x, hn::MulAdd(set(xy), w.y, hn::Mul(set(xz), w.z)));
-        const VF b = hn::MulAdd(set(yy), w.y, hn::Mul(set(yz), w.z));
-        return hn::MulAdd(a, w.x, hn::MulAdd(b, w.y, hn::Mul(hn::Mul(set(zz), w.z), w.z)));
+    HWY_INLINE MF holds(const V3& w) const {
+        const VF a = hn::MulAdd(xx, w.x, hn::MulAdd(xy, w.y, hn::Mul(xz, w.z)));
+        const VF b = hn::MulAdd(yy, w.y, hn::Mul(yz, w.z));
+        return hn::Gt(hn::MulAdd(a, w.x, hn::MulAdd(b, w.y, hn::Mul(hn::Mul(zz, w.z), w.z))), set(0));
     }
 };
 
 // Rays of one origin that are left, directions in the caller's frame.
 class SharedRays {
   public:
-    // Keeps the rays that meet the unit sphere ahead of the origin and may meet the object's box, and some that just
-    // miss the sphere: the chord knows.
-    HWY_INLINE SharedRays(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
-                          const std::uint8_t* blocked)
-        : origin_(set(query.origin)), carry_(query.carry) {
+    // `radius`: of the sphere in the space where the rays are then given; the query is in the unit sphere's.
+    // Keeps the rays that meet the unit sphere ahead of the origin and may meet the object's box, and some
+    // that just miss the sphere: the chord knows.
+    HWY_INLINE SharedRays(const RayQuery& query, const float* x, const float* y, const float* z,
+                          std::size_t count, const std::uint8_t* blocked, float radius = 1)
+        : origin_(set(radius * query.origin)), carry_(radius * query.carry) {
         const F f;
         const float outside = glm::dot(query.origin, query.origin) - 1;
-        const V3 towards = set(query.origin * query.carry);  // the origin, in the caller's frame of directions
-        const SquaredLength square(query.carry);
-        const VF least = set(outside * 0.997f);  // directions are unit to 1e-3
+        const V3 towards = set(query.origin * query.carry);
+        const Silhouette silhouette(query.origin, query.carry);
         std::array<glm::vec3, 3> outward;
         std::size_t faces = 0;
         for (const glm::vec3& face : query.leaving.outward)
             if (face != glm::vec3(0)) outward[faces++] = face;
-        for (std::size_t i = 0; i < count; i += hn::Lanes(f)) {
+        VI ids = hn::Iota(I(), 0);
+        for (std::size_t i = 0; i < count; i += hn::Lanes(f), ids = next(ids)) {
             const V3 w{hn::LoadU(f, x + i), hn::LoadU(f, y + i), hn::LoadU(f, z + i)};
             MF kept = open_lanes(blocked, i, count);
             if (outside > 0) {
-                const VF approach = dot(towards, w);
-                kept = hn::And(kept, hn::And(hn::Lt(approach, set(0)),
-                                             hn::Gt(hn::Mul(approach, approach), hn::Mul(square.of(w), least))));
+                kept = hn::And(kept, hn::And(hn::Lt(dot(towards, w), set(0)), silhouette.holds(w)));
             }
             if (hn::AllFalse(f, kept)) continue;
             for (std::size_t face = 0; face < faces; ++face)
                 kept = hn::And(kept, hn::Le(dot(set(outward[face]), w), set(0)));
-            packed_.add({w.x, w.y, w.z}, hn::Iota(I(), static_cast<std::int32_t>(i)), kept);
+            packed_.add({w.x, w.y, w.z}, ids, kept);
         }
     }
 
     // For `add`.
-    explicit HWY_INLINE SharedRays(const SharedRays& other, int) : origin_(other.origin_), carry_(other.carry_) {}
+    explicit HWY_INLINE SharedRays(const SharedRays& other, int)
+        : origin_(other.origin_), carry_(other.carry_) {}
     HWY_INLINE void add(const SharedRays& other, std::size_t k, MF kept) {
         const V3 w = other.packed_.vector(0, k);
         packed_.add({w.x, w.y, w.z}, other.packed_.ids(k), kept);
@@ -129,31 +130,35 @@ class SharedRays {
     M3 carry_;
 };
 
-// Where a kind of lookup takes place: the map from the world to the space where its sphere is the unit sphere.
-struct UnitSpace {
-    glm::mat3 to_unit;
+// Where a kind of lookup takes place: the map from the world to the space of its sphere, which has this
+// radius there.
+struct SphereSpace {
+    glm::mat3 to_sphere;
     glm::vec3 offset;
+    float radius = 1;
 };
 
-// Rays with an origin each, carried into the unit sphere's space. `always_leave`: rays that start beside the box and
-// lead away are dropped wherever they start, not only inside the sphere.
+// Rays with an origin each, carried into the sphere's space. `always_leave`: rays that start beside the box
+// and lead away are dropped wherever they start, not only inside the sphere.
 class OwnRays {
   public:
-    HWY_INLINE OwnRays(const UnitSpace& space, const Instance& instance, bool always_leave, const RayBlock& rays,
-                       const std::uint8_t* blocked) {
+    HWY_INLINE OwnRays(const SphereSpace& space, const Instance& instance, bool always_leave,
+                       const RayBlock& rays, const std::uint8_t* blocked) {
         const F f;
-        const M3 to_unit(space.to_unit), to_box(instance.to_unit);
+        const M3 to_sphere(space.to_sphere), to_box(instance.to_unit);
         const V3 offset = set(space.offset), box_offset = set(instance.unit_offset - instance.box_centre);
-        const glm::vec3 half = (1 - 1e-4f) * instance.box_half;  // LeavingBox's contact
+        const glm::vec3 half = (1 - 1e-4f) * instance.box_half;           // LeavingBox's contact
         const VF zero = hn::Zero(f), one = set(1), almost = set(0.999f);  // the chord knows
-        for (std::size_t i = 0; i < rays.count; i += hn::Lanes(f)) {
+        VI ids = hn::Iota(I(), 0);
+        for (std::size_t i = 0; i < rays.count; i += hn::Lanes(f), ids = next(ids)) {
             const VF x = hn::LoadU(f, rays.x + i), y = hn::LoadU(f, rays.y + i), z = hn::LoadU(f, rays.z + i);
             const VF ox = hn::LoadU(f, rays.origin_x + i), oy = hn::LoadU(f, rays.origin_y + i),
                      oz = hn::LoadU(f, rays.origin_z + i);
-            const V3 d = to_unit(x, y, z), o = along(to_unit(ox, oy, oz), one, offset);
-            const VF outside = hn::Sub(dot(o, o), one), approach = dot(o, d);
-            const MF ahead = hn::And(hn::Lt(approach, zero),
-                                     hn::Gt(hn::Mul(approach, approach), hn::Mul(hn::Mul(dot(d, d), outside), almost)));
+            const V3 d = to_sphere(x, y, z), o = along(to_sphere(ox, oy, oz), one, offset);
+            const VF outside = hn::Sub(dot(o, o), set(space.radius * space.radius)), approach = dot(o, d);
+            const MF ahead =
+                hn::And(hn::Lt(approach, zero),
+                        hn::Gt(hn::Mul(approach, approach), hn::Mul(hn::Mul(dot(d, d), outside), almost)));
             const MF inside = hn::Le(outside, zero);
             MF kept = hn::And(open_lanes(blocked, i, rays.count), hn::Or(ahead, inside));
             if (hn::AllFalse(f, kept)) continue;
@@ -161,9 +166,10 @@ class OwnRays {
             const auto leaves = [zero](VF place, VF direction, float size) HWY_ATTR {
                 return hn::And(hn::Ge(hn::Abs(place), set(size)), hn::Gt(hn::Mul(place, direction), zero));
             };
-            const MF leaving = hn::Or(leaves(p.x, w.x, half.x), hn::Or(leaves(p.y, w.y, half.y), leaves(p.z, w.z, half.z)));
+            const MF leaving =
+                hn::Or(leaves(p.x, w.x, half.x), hn::Or(leaves(p.y, w.y, half.y), leaves(p.z, w.z, half.z)));
             kept = hn::And(kept, hn::Not(always_leave ? leaving : hn::And(inside, leaving)));
-            packed_.add({o.x, o.y, o.z, d.x, d.y, d.z}, hn::Iota(I(), static_cast<std::int32_t>(i)), kept);
+            packed_.add({o.x, o.y, o.z, d.x, d.y, d.z}, ids, kept);
         }
     }
 
@@ -185,9 +191,9 @@ class OwnRays {
 // Marks the rays whose lanes hit.
 HWY_INLINE void mark(VI ids, MF hits, std::uint8_t* blocked) {
     alignas(64) std::int32_t list[hn::MaxLanes(I())];
-    hn::Store(hn::Compress(ids, hn::RebindMask(I(), hits)), I(), list);
-    const std::size_t count = hn::CountTrue(F(), hits);
-    for (std::size_t k = 0; k < count; ++k) blocked[list[k]] = 1;
+    // Lanes without a hit mark the padding: cheaper than a loop whose length nobody can predict.
+    hn::Store(hn::IfThenElse(hn::RebindMask(I(), hits), ids, hn::Set(I(), kRayBlock)), I(), list);
+    for (std::size_t k = 0; k < hn::Lanes(I()); ++k) blocked[list[k]] = 1;
 }
 
 // nearest[id] becomes the smaller of itself and t.

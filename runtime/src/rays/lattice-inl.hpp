@@ -15,32 +15,33 @@
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::HWY_NAMESPACE {
 
+// Lines are looked up where the table's sphere has this radius: |x| (1 + k |x|) is then (|X| + X^2) / k of
+// the larger coordinate X = k x, and the factor cancels.
+inline constexpr float kLineRadius = kLatticeWarp;
+
 // lattice_square.
 struct LatticePlaces {
     VF column, row;
 
     HWY_INLINE LatticePlaces(std::uint32_t lattice, const V3& q) {
-        const VF half = set(0.5f);
-        const auto warp = [](VF x) HWY_ATTR { return hn::MulAdd(hn::Mul(set(kLatticeWarp), x), x, x); };
-        const VF gx = warp(hn::Abs(q.x)), gy = warp(hn::Abs(q.y)), gz = warp(hn::Abs(q.z));
-        const VF scale = hn::Mul(half, reciprocal(hn::Add(gx, hn::Add(gy, gz))));
-        const VF a = hn::Mul(gx, scale), b = hn::Mul(gy, scale);
-        const MF lower = hn::Lt(q.z, set(0));
-        const VF u = hn::IfThenElse(lower, hn::Sub(half, b), a),
-                 v = hn::IfThenElse(lower, hn::Sub(half, a), b);
-        const VF s = set(static_cast<float>(lattice)), middle = hn::Mul(half, s);
-        column = hn::MulAdd(hn::CopySign(u, q.x), s, middle);
-        row = hn::MulAdd(hn::CopySign(v, q.y), s, middle);
+        const auto warp = [](VF x) HWY_ATTR { return hn::MulAdd(x, x, hn::Abs(x)); };
+        const VF gx = warp(q.x), gy = warp(q.y), gz = warp(q.z);
+        const VF scale = reciprocal(hn::Add(gx, hn::Add(gy, gz)));
+        // Folding out the lower half, 1 - v in place of u, comes to adding gz.
+        const VF folded = hn::IfThenElseZero(hn::Lt(q.z, set(0)), gz);
+        const VF u = hn::Mul(hn::Add(gx, folded), scale), v = hn::Mul(hn::Add(gy, folded), scale);
+        // Rounding must not lead out of the square.
+        const float half = 0.5f * static_cast<float>(lattice), inside = half * (1 - 0x1p-15f);
+        column = hn::MulAdd(hn::CopySign(u, q.x), set(inside), set(half));
+        row = hn::MulAdd(hn::CopySign(v, q.y), set(inside), set(half));
     }
 };
 
 // nearest_lattice_point.
 HWY_INLINE VI nearest_lattice_points(std::uint32_t lattice, const V3& q) {
     const LatticePlaces places(lattice, q);
-    const VF zero = set(0), top = set(static_cast<float>(lattice - 1));
-    const auto cell = [&](VF value) HWY_ATTR { return hn::Floor(hn::Min(hn::Max(value, zero), top)); };
     return hn::ConvertTo(I(),
-                         hn::MulAdd(cell(places.row), set(static_cast<float>(lattice)), cell(places.column)));
+                         hn::MulAdd(hn::Floor(places.row), set(static_cast<float>(lattice)), places.column));
 }
 
 // lattice_neighbours, and for each point p the number p (p + 1) / 2.

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "rays/cull-inl.hpp"
 #include "rays/kernels.hpp"
@@ -44,39 +45,67 @@ HWY_INLINE MapHits read_texels(const dfield_field& field, const Probes& probes) 
         const VI word = hn::GatherOffset(i, texels, hn::ShiftRight<3>(probes.texel));
         const auto bit = hn::Shl(hn::Set(u, 1), hn::BitCast(u, hn::And(probes.texel, hn::Set(i, 7))));
         const auto* const depths = reinterpret_cast<const std::int32_t*>(field.maps.mean_depth.data());
-        const VI raw =
-            hn::And(hn::GatherOffset(i, depths, hn::ShiftLeft<1>(probes.map)), hn::Set(i, 65535));
+        const VI raw = hn::And(hn::GatherOffset(i, depths, hn::ShiftLeft<1>(probes.map)), hn::Set(i, 65535));
         // hit_parameter's mean depth along the normal, carried along the ray.
         const VF depth = hn::Mul(hn::ConvertTo(F(), raw), set(2 / 65535.0f)), cosine = probes.cosine;
-        const VF distance = hn::Div(hn::Min(depth, hn::Mul(hn::Add(cosine, cosine), cosine)),
-                                    hn::Max(cosine, set(1e-6f)));
+        const VF distance =
+            hn::Div(hn::Min(depth, hn::Mul(hn::Add(cosine, cosine), cosine)), hn::Max(cosine, set(1e-6f)));
         return {hn::RebindMask(F(), hn::TestBit(hn::BitCast(u, word), bit)),
                 hn::MulAdd(distance, probes.scale, probes.base)};
     }
 }
 
+// Lookups on their way, between finding the texel and reading it.
+struct PendingProbes {
+    alignas(64) RayArray<std::int32_t> texel, map;
+    alignas(64) RayArray<float> scale, base, cosine;
+
+    HWY_INLINE void put(std::size_t k, const Probes& probes) {
+        hn::Store(probes.texel, I(), texel.data() + k);
+        hn::Store(probes.map, I(), map.data() + k);
+        hn::Store(probes.scale, F(), scale.data() + k);
+        hn::Store(probes.base, F(), base.data() + k);
+        hn::Store(probes.cosine, F(), cosine.data() + k);
+    }
+    HWY_INLINE Probes get(std::size_t k) const {
+        return {hn::Load(I(), texel.data() + k), hn::Load(I(), map.data() + k), hn::Load(F(), scale.data() + k),
+                hn::Load(F(), base.data() + k), hn::Load(F(), cosine.data() + k)};
+    }
+};
+
+// Finds all texels, and asks for their memory, before it reads the first: tables are larger than the nearer caches.
 template<int kBits, class Rays>
 HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float least, bool in_front,
                              std::uint8_t* blocked) {
     const F f;
     const MapField maps(field);
-    const VF minimum = set(least);
+    const VF minimum = set(least), infinity = set(std::numeric_limits<float>::infinity());
     const MF front = in_front ? hn::Eq(minimum, minimum) : hn::Ne(minimum, minimum);
+    const std::uint8_t* const texels = field.maps.texels.data();
+    PendingProbes pending;
     for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
         const Chords chord(rays.origin(k), rays.direction(k));
         const MF inside = hn::FirstN(f, rays.count() - k);
         const MF valid = hn::And(inside, hn::And(chord.valid, hn::Gt(chord.t_out(), minimum)));
         // From outside the sphere every hit is ahead. From inside the exit point is asked, looking back.
         const MF outside = hn::Ge(chord.t_in(), minimum);
-        const Probes probes = probe(maps, chord, hn::Not(outside), valid);
-        const MapHits found = read_texels<kBits>(field, probes);
-        const MF ahead = hn::Or(hn::Or(front, outside), hn::Gt(found.t, minimum));
-        mark(rays.ids(k), hn::And(valid, hn::And(found.hit, ahead)), blocked);
+        Probes probes = probe(maps, chord, hn::Not(outside), valid);
+        const MF sure = hn::Or(front, outside);
+        probes.scale = hn::IfThenZeroElse(hn::Or(sure, hn::Not(valid)), probes.scale);
+        probes.base = hn::IfThenElse(valid, hn::IfThenElse(sure, infinity, probes.base), hn::Neg(infinity));
+        pending.put(k, probes);
+        for (std::size_t lane = 0; lane < hn::Lanes(f); ++lane)
+            prefetch(texels + (kBits == 8 ? pending.texel[k + lane] : pending.texel[k + lane] >> 3));
+    }
+    for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
+        const MapHits found = read_texels<kBits>(field, pending.get(k));
+        mark(rays.ids(k), hn::And(found.hit, hn::Gt(found.t, minimum)), blocked);
     }
 }
 
 template<int kBits, class Rays>
-HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front, float* nearest) {
+HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front,
+                              float* nearest) {
     const F f;
     const MapField maps(field);
     const VF zero = set(0), minimum = set(in_front ? 0 : least);
@@ -88,7 +117,8 @@ HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float
         const MF valid = hn::And(inside, hn::And(chord.valid, hn::Gt(chord.t_out(), zero)));
         const MapHits found = read_texels<kBits>(field, probe(maps, chord, none, valid));
         const MF hit = hn::And(valid, found.hit);
-        const VF t = hn::Max(found.t, in_front ? zero : hn::IfThenElse(hn::Ge(chord.t_in(), zero), chord.t_in(), found.t));
+        const VF t = hn::Max(
+            found.t, in_front ? zero : hn::IfThenElse(hn::Ge(chord.t_in(), zero), chord.t_in(), found.t));
         lower(rays.ids(k), hn::And(hit, hn::Ge(t, minimum)), t, nearest);
         const MF behind = hn::And(hit, hn::Lt(t, zero));
         if (!hn::AllFalse(f, behind)) again.add(rays, k, behind);
@@ -109,7 +139,8 @@ HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float 
                                     : any_map_hits<1>(field, rays, least, in_front, blocked);
 }
 template<class Rays>
-HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front, float* nearest) {
+HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float least, bool in_front,
+                              float* nearest) {
     field.maps.parameters.bits == 8 ? map_distances<8>(field, rays, least, in_front, nearest)
                                     : map_distances<1>(field, rays, least, in_front, nearest);
 }
@@ -117,26 +148,30 @@ HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float
 // What RayKernels wants.
 void maps_any_hits(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
                    std::uint8_t* blocked) {
-    if (!has_map_kernel(*query.field)) return kRayLookupsReference.maps.any_hits(query, x, y, z, count, blocked);
+    if (!has_map_kernel(*query.field))
+        return kRayLookupsReference.maps.any_hits(query, x, y, z, count, blocked);
     const SharedRays rays(query, x, y, z, count, blocked);
     any_map_hits(*query.field, rays, query.minimum, query.in_front, blocked);
 }
 
 void maps_distances(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
                     float* nearest) {
-    if (!has_map_kernel(*query.field)) return kRayLookupsReference.maps.distances(query, x, y, z, count, nearest);
+    if (!has_map_kernel(*query.field))
+        return kRayLookupsReference.maps.distances(query, x, y, z, count, nearest);
     const SharedRays rays(query, x, y, z, count, nullptr);
     map_distances(*query.field, rays, query.minimum, query.in_front, nearest);
 }
 
 void maps_ray_any_hits(const Instance& instance, const RayBlock& block, std::uint8_t* blocked) {
-    if (!has_map_kernel(*instance.field)) return kRayLookupsReference.maps.ray_any_hits(instance, block, blocked);
+    if (!has_map_kernel(*instance.field))
+        return kRayLookupsReference.maps.ray_any_hits(instance, block, blocked);
     const OwnRays rays({instance.to_unit, instance.unit_offset}, instance, true, block, blocked);
     any_map_hits(*instance.field, rays, 0, false, blocked);
 }
 
 void maps_ray_distances(const Instance& instance, const RayBlock& block, float* nearest) {
-    if (!has_map_kernel(*instance.field)) return kRayLookupsReference.maps.ray_distances(instance, block, nearest);
+    if (!has_map_kernel(*instance.field))
+        return kRayLookupsReference.maps.ray_distances(instance, block, nearest);
     const OwnRays rays({instance.to_unit, instance.unit_offset}, instance, true, block, nullptr);
     map_distances(*instance.field, rays, 0, false, nearest);
 }

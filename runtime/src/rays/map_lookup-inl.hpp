@@ -1,6 +1,6 @@
-// probe_line and hit_parameter of lookup.hpp for fields of Slater's points and concentric maps, without reading
-// anything but the texel: the sample's place and frame are computed, where a table of samples would take six gathers.
-// Seen once a target.
+// probe_line and hit_parameter of lookup.hpp for fields of Slater's points and concentric maps, without
+// reading anything but the texel: the sample's place and frame are computed, where a table of samples would
+// take six gathers. Seen once a target.
 #include <cstddef>
 #include <cstdint>
 
@@ -39,9 +39,9 @@ struct Samples {
 
 // The sample of a ring that is nearest in azimuth.
 struct RingSamples {
-    VF k, j, offset;         // offset: azimuth beyond the sample's, radians
+    VF k, j, offset;          // offset: azimuth beyond the sample's, radians
     VF height, radius, root;  // |z|, sqrt(1 - z^2), 1 / sqrt(1 + |z|)
-    VF cosine;               // of offset
+    VF cosine;                // of offset
 
     HWY_INLINE RingSamples(const MapField& field, VF ring, VF turns) : k(ring) {
         const VF along_ring = hn::Mul(turns, k);
@@ -54,7 +54,8 @@ struct RingSamples {
         radius = hn::Mul(u, hn::Mul(w, root));
         // Half a step of the first ring, an eighth of a turn, is the farthest.
         const VF a = hn::Mul(offset, offset);
-        cosine = hn::MulAdd(a, hn::MulAdd(a, hn::MulAdd(a, set(-1 / 720.0f), set(1 / 24.0f)), set(-0.5f)), set(1));
+        cosine =
+            hn::MulAdd(a, hn::MulAdd(a, hn::MulAdd(a, set(-1 / 720.0f), set(1 / 24.0f)), set(-0.5f)), set(1));
     }
 };
 
@@ -73,13 +74,15 @@ HWY_INLINE Samples nearest_sample(const MapField& field, const V3& q) {
     const VF towards_b = hn::MulAdd(b.height, height, hn::Mul(hn::Mul(b.radius, radius), b.cosine));
     const MF first = hn::Ge(towards_a, towards_b);
     const auto pick = [first](VF x, VF y) HWY_ATTR { return hn::IfThenElse(first, x, y); };
-    const VF k = pick(a.k, b.k), j = pick(a.j, b.j), z = pick(a.height, b.height), root = pick(a.root, b.root);
+    const VF k = pick(a.k, b.k), j = pick(a.j, b.j), z = pick(a.height, b.height),
+             root = pick(a.root, b.root);
 
     // Turned back from q's azimuth to the sample's.
     const VF offset = pick(a.offset, b.offset), cosine = pick(a.cosine, b.cosine);
     const VF s = hn::Mul(offset, offset);
     const VF sine = hn::Mul(
-        offset, hn::MulAdd(s, hn::MulAdd(s, hn::MulAdd(s, set(-1 / 5040.0f), set(1 / 120.0f)), set(-1 / 6.0f)), one));
+        offset,
+        hn::MulAdd(s, hn::MulAdd(s, hn::MulAdd(s, set(-1 / 5040.0f), set(1 / 120.0f)), set(-1 / 6.0f)), one));
     const VF scale = hn::Mul(pick(a.radius, b.radius), inverse_radius);
     Samples result;
     result.point.x = hn::Mul(scale, hn::MulAdd(q.x, cosine, hn::Mul(q.y, sine)));
@@ -91,8 +94,7 @@ HWY_INLINE Samples nearest_sample(const MapField& field, const V3& q) {
     // SlaterRings::index.
     const VF wrapped = hn::IfThenElseZero(hn::Lt(j, hn::Mul(k, set(4))), j);
     const VF two_k = hn::Add(k, k);
-    const VF north_first =
-        hn::IfThenElseZero(hn::Gt(k, zero), hn::MulAdd(two_k, hn::Sub(k, one), one));
+    const VF north_first = hn::IfThenElseZero(hn::Gt(k, zero), hn::MulAdd(two_k, hn::Sub(k, one), one));
     const VF south_first = hn::Sub(set(field.points - 1), hn::Mul(two_k, hn::Add(k, one)));
     const MF mirrored = hn::And(south, hn::Lt(k, set(field.n)));
     result.index = hn::Add(hn::IfThenElse(mirrored, south_first, north_first), wrapped);
@@ -113,8 +115,8 @@ HWY_INLINE VF texel_of(const MapField& field, const Samples& sample, const V3& a
     const VF radius = hn::Mul(hn::Mul(square, inverse_root(square)), inverse_length);
     const MF turned = hn::Lt(hn::Abs(x), hn::Abs(y));
     const VF major = hn::IfThenElse(turned, y, x), minor = hn::IfThenElse(turned, x, y);
-    const VF slope = hn::CopySign(
-        hn::Mul(minor, reciprocal(hn::Max(hn::Abs(major), set(1e-30f)))), hn::Xor(major, minor));
+    const VF slope =
+        hn::CopySign(hn::Mul(minor, reciprocal(hn::Max(hn::Abs(major), set(1e-30f)))), hn::Xor(major, minor));
     const VF a = hn::CopySign(radius, major);
     const VF b = hn::Mul(hn::Add(a, a), quarter_turns_of_slope(slope));
     const VF half = set(0.5f * field.map_size), top = set(field.map_size - 1), zero = set(0);

@@ -1,5 +1,5 @@
-// Rays against one instance, in the space where its bounding sphere (of a line table: sphere or ellipsoid) is the unit
-// sphere. What the scalar lookups and the kernels are handed.
+// Rays against one instance, in the space where its bounding sphere (of a line table: sphere or ellipsoid) is
+// the unit sphere. What the scalar lookups and the kernels are handed.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace dfield::runtime {
 
-// Rays of a block, which share stack-held results. Arrays handed to kernels can be read kRayPadding elements past
-// their end.
+// Rays of a block, which share stack-held results. Arrays handed to kernels can be read kRayPadding elements
+// past their end.
 inline constexpr std::size_t kRayBlock = 256;
 inline constexpr std::size_t kRayPadding = 16;
 

@@ -87,17 +87,18 @@ struct M3 {
     }
 };
 
-// chord_of_line. `valid` says where the line meets the sphere; the rest holds nonsense where not.
+// chord_of_line, in a sphere of any radius. `valid` says where the line meets the sphere; the rest holds
+// nonsense where not.
 struct Chords {
     V3 middle, direction;
     VF inverse_square, t_middle, half;
     MF valid;
 
-    HWY_INLINE Chords(const V3& origin, const V3& d) : direction(d) {
+    HWY_INLINE Chords(const V3& origin, const V3& d, float radius = 1) : direction(d) {
         inverse_square = hn::Div(set(1), dot(d, d));
         t_middle = hn::Mul(hn::Neg(dot(origin, d)), inverse_square);
         middle = along(origin, t_middle, d);
-        const VF rest = hn::Sub(set(1), dot(middle, middle));
+        const VF rest = hn::Sub(set(radius * radius), dot(middle, middle));
         valid = hn::Gt(rest, set(0));
         half = hn::Sqrt(hn::Mul(rest, inverse_square));
     }

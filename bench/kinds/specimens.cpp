@@ -1,0 +1,67 @@
+#include "bench/kinds/specimens.hpp"
+
+#include <algorithm>
+
+#include "bench/paper/page.hpp"
+#include "format/writer.hpp"
+
+namespace dfield::kinds {
+namespace {
+
+constexpr std::uint32_t kQuickDivisor = 4;
+
+Specimen maps(const paper::Lab& lab, std::uint32_t subdivision, std::uint32_t map_size, std::uint32_t bits,
+              bool headline) {
+    const FieldParameters parameters = lab.parameters(subdivision, map_size, bits);
+    FieldPlan plan;
+    plan.maps = parameters;
+    return {
+        "displacement maps, " + std::to_string(bits) + " bit",
+        paper::grouped(paper_position_count(parameters)) + " × " + std::to_string(parameters.map_size) + "²",
+        plan, DFIELD_KIND_MAPS, headline};
+}
+
+Specimen lines(const paper::Lab& lab, std::uint32_t lattice, bool refined, bool headline) {
+    LineParameters parameters;
+    parameters.lattice = lab.quick() ? lattice / kQuickDivisor : lattice;
+    parameters.pivot = parameters.ellipsoid = refined;
+    FieldPlan plan;
+    plan.lines = parameters;
+    return {refined ? "line table, pivot, ellipsoid" : "line table",
+            paper::grouped(lattice_point_count(parameters.lattice)) + "²", plan, DFIELD_KIND_LINES, headline};
+}
+
+Specimen directions(const paper::Lab& lab, std::uint32_t subdivision, std::uint32_t map_size, bool headline) {
+    DirectionParameters parameters;
+    parameters.subdivision = lab.quick() ? subdivision / kQuickDivisor : subdivision;
+    parameters.map_size = map_size;
+    FieldPlan plan;
+    plan.directions = {parameters};
+    return {"direction maps",
+            paper::grouped(direction_count(parameters.subdivision)) + " × " + std::to_string(map_size) + "²",
+            plan, DFIELD_KIND_DIRECTIONS, headline};
+}
+
+}  // namespace
+
+std::vector<Specimen> specimens(const paper::Lab& lab, bool sweep) {
+    std::vector<Specimen> result{maps(lab, 32, 32, 8, true),    maps(lab, 32, 32, 1, true),
+                                 lines(lab, 33, false, true),   lines(lab, 33, true, true),
+                                 directions(lab, 16, 32, true), directions(lab, 16, 64, true)};
+    if (!sweep) return result;
+    for (const auto& [n, m] : {std::pair{8u, 16u}, {16u, 16u}, {16u, 32u}, {32u, 64u}})
+        for (const std::uint32_t bits : {8u, 1u})
+            if (bits == 1 || m < 64) result.push_back(maps(lab, n, m, bits, false));
+    for (const bool refined : {false, true})
+        for (const std::uint32_t lattice : {16u, 24u, 45u})
+            result.push_back(lines(lab, lattice, refined, false));
+    for (const auto& [n, m] : {std::pair{8u, 32u}, {24u, 32u}, {32u, 32u}, {8u, 64u}, {24u, 64u}, {32u, 64u}})
+        result.push_back(directions(lab, n, m, false));
+    return result;
+}
+
+std::vector<std::byte> baked_specimen(const TriangleMesh& mesh, const Specimen& specimen) {
+    return write_field(bake_plan(mesh, specimen.plan, {}));
+}
+
+}  // namespace dfield::kinds
