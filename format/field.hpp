@@ -68,9 +68,6 @@ inline constexpr std::uint8_t kMiss8 = 255;
 inline constexpr std::uint16_t kMiss16 = 65535;
 inline constexpr float kMiss32 = 1.0f;
 
-// The reader allocates this much more than texels and mean depths take, so that vector code may read whole words there.
-inline constexpr std::size_t kReadPastEnd = 4;  // bytes
-
 // What a .dfield holds: up to three kinds of precomputed visibility of one object. The sphere and the box are
 // always there, each kind may be absent.
 struct DisplacementField {

@@ -162,13 +162,11 @@ bool FieldReader::read_texels(DisplacementField& field) {
     if (hits == 0) report_.warning(Code::kNoHit, mask.offset, "no texel is a hit: the field hides nothing");
 
     if (p.bits == 1) {
-        field.texels.reserve(texel_bytes(p) + kReadPastEnd);
         field.texels.resize(texel_bytes(p));
         codec::pack_plane(p, plane, field.texels);
         const SectionInfo& section = *find_section(info_, layout::kMeanDepth);
         const auto raw = decompress_section(bytes_, section, report_, memory_);
         if (!raw) return false;
-        field.mean_depth.reserve(position_count(p) + kReadPastEnd / sizeof(std::uint16_t));
         field.mean_depth.resize(position_count(p));
         codec::decode_mean_depth(p, *raw, field.mean_depth, memory_);
         if (const auto error = mean_depth_error(p, plane, field.mean_depth))
@@ -180,7 +178,6 @@ bool FieldReader::read_texels(DisplacementField& field) {
     if (section.raw_bytes != expected) return raw_size_error(section, expected, expected);
     const auto raw = decompress_section(bytes_, section, report_, memory_);
     if (!raw) return false;
-    field.texels.reserve(texel_bytes(p) + kReadPastEnd);
     field.texels.resize(texel_bytes(p));
     if (!codec::decode_distances(p, *raw, plane, field.texels, memory_))
         return report_.error(Code::kDistances, section.offset,

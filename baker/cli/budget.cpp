@@ -122,8 +122,7 @@ class Search {
         for (std::size_t i = 0; i < tried.size(); ++i) {
             progress_.update(i, tried.size());
             const std::optional<FieldPlan> plan = tried[i].fill(budget);
-            if (!plan) continue;
-            measure(tried[i].kind, *plan);
+            if (!plan || !measure(tried[i].kind, *plan, budget)) continue;
             fitting.emplace_back(candidates.size() - 1, tried[i]);
         }
         std::stable_sort(fitting.begin(), fitting.end(),
@@ -144,7 +143,8 @@ class Search {
     std::vector<BudgetCandidate> candidates;
 
   private:
-    void measure(dfield_kind kind, const FieldPlan& plan) {
+    // False where it does not fit after all.
+    bool measure(dfield_kind kind, const FieldPlan& plan, std::uint64_t budget) {
         if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
         const auto start = Clock::now();
         BakeOptions bake;
@@ -153,6 +153,7 @@ class Search {
         const DisplacementField field = bake_plan(mesh_, plan, bake);
         const std::vector<std::byte> bytes = write_field(field, {.zstd_level = 1});
         const Field loaded = Field::load(context_.get(), bytes.data(), bytes.size());
+        if (loaded.info().memory_bytes > budget) return false;
         const FileInfo file = read_file_info(bytes);
         BudgetCandidate& added = candidates.emplace_back();
         added.kind = kind;
@@ -163,6 +164,7 @@ class Search {
         added.corner = corner_.measure(context_.get(), loaded, kind);
         added.corner_contact = contact_.measure(context_.get(), loaded, kind);
         added.seconds = seconds_since(start);
+        return true;
     }
 
     const TriangleMesh& mesh_;
@@ -171,6 +173,13 @@ class Search {
     AccuracyScene corner_, contact_;
     ProgressBar progress_{"choosing", "candidate", options_.quiet};
 };
+
+Error too_small(const BudgetOptions& options) {
+    const std::string beside =
+        options.reserved > 0 ? ", and " + std::to_string(options.reserved) + " for --self" : "";
+    return {ExitCode::kUsage, "--budget " + std::to_string(options.budget) +
+                                  ": not even the smallest field fits; take 4K or more" + beside};
+}
 
 }  // namespace
 
@@ -198,16 +207,12 @@ BudgetChoice choose_within_budget(const TriangleMesh& mesh, const BudgetOptions&
     const std::vector<Family> all = families(options.kind);
     const std::uint64_t budget = options.budget - std::min(options.budget, options.reserved);
     if (std::none_of(all.begin(), all.end(), [&](const Family& family) { return family.fill(budget); }))
-        throw Error(ExitCode::kUsage,
-                    "--budget " + std::to_string(options.budget) +
-                        ": not even the smallest field fits; take 4K or more" +
-                        (options.reserved > 0
-                             ? ", and " + std::to_string(options.reserved) + " for --self and --verify"
-                             : ""));
+        throw too_small(options);
     Search search(mesh, options);
     const std::vector<Family> ranked = search.rank(all, std::min(budget, kCoarseBudget));
     if (budget > kCoarseBudget)
         search.rank({ranked.begin(), ranked.begin() + std::min(kFineFamilies, ranked.size())}, budget);
+    if (search.candidates.empty()) throw too_small(options);
     std::size_t chosen = 0;
     for (std::size_t i = 1; i < search.candidates.size(); ++i)
         if (search.better(i, chosen)) chosen = i;

@@ -41,7 +41,7 @@ struct BudgetOptions {
     // The kind to stay with; AUTO tries all.
     dfield_kind kind = DFIELD_KIND_AUTO;
     std::uint64_t reserved =
-        0;  // bytes of the budget for what is no kind: self visibilities, figures of --verify
+        0;  // bytes of the budget for self visibilities
     int threads = 0;
     bool quiet = false;
 };

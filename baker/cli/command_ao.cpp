@@ -103,7 +103,8 @@ void save_picture(const AoCommand& command, const ImportedScene& scene,
 void choose_kind(AoCommand& command, const CLI::App& ao) {
     dfield_ao_desc& desc = command.ao.desc;
     std::string& kind = command.plan_options.kind;
-    if (kind == "all") throw Error(ExitCode::kUsage, "--kind: ao needs one kind: auto, maps, lines or directions");
+    if (kind == "all")
+        throw Error(ExitCode::kUsage, "--kind: ao needs one kind: auto, maps, lines or directions");
     const bool distances = std::isfinite(desc.max_distance) || desc.bias > 0;
     if (kind == "auto") {
         bool map_flags = false;
@@ -161,8 +162,7 @@ void run(AoCommand& command) {
         for (const float value : values) mean += value;
     mean /= static_cast<double>(std::max<std::size_t>(visibility.vertices, 1));
     const auto& target = command.common.json;
-    const std::string answered =
-        command.method == "rays" ? "rays" : "lookup (" + visibility.kind + ")";
+    const std::string answered = command.method == "rays" ? "rays" : "lookup (" + visibility.kind + ")";
     say(target, text("%s: %zu vertices of %zu instances of %zu meshes by %s, mean visibility %.3f",
                      command.output.string().c_str(), visibility.vertices, scene.instances.size(),
                      scene.meshes.size(), answered.c_str(), mean));
@@ -170,27 +170,28 @@ void run(AoCommand& command) {
         text("%zu fields baked, %zu from the cache (%.2f s); self-occlusion %.2f s; visibility %.3f s",
              visibility.baked, visibility.from_cache, visibility.bake_seconds, visibility.self_seconds,
              visibility.visibility_seconds));
-    write_json_report(target, {{"scene", command.scene.string()},
-                               {"output", command.output.string()},
-                               {"method", command.method},
-                               {"kind", visibility.kind},
-                               {"sampling", options.ao.sampling == DFIELD_SAMPLING_SHARED ? "shared" : "hemisphere"},
-                               {"meshes", scene.meshes.size()},
-                               {"instances", scene.instances.size()},
-                               {"vertices", visibility.vertices},
-                               {"rays_per_vertex", command.ao.desc.ray_count},
-                               {"self", options.self},
-                               {"mean_visibility", significant(mean)},
-                               {"fields_baked", visibility.baked},
-                               {"fields_from_cache", visibility.from_cache},
-                               {"field_bytes", visibility.field_bytes},
-                               {"bake_seconds", significant(visibility.bake_seconds)},
-                               {"self_seconds", significant(visibility.self_seconds)},
-                               {"visibility_seconds", significant(visibility.visibility_seconds)},
-                               {"degenerate", scene.report.degenerate},
-                               {"not_finite", scene.report.not_finite},
-                               {"index_out_of_range", scene.report.index_out_of_range},
-                               {"warnings", scene.report.warnings}});
+    write_json_report(target,
+                      {{"scene", command.scene.string()},
+                       {"output", command.output.string()},
+                       {"method", command.method},
+                       {"kind", visibility.kind},
+                       {"sampling", options.ao.sampling == DFIELD_SAMPLING_SHARED ? "shared" : "hemisphere"},
+                       {"meshes", scene.meshes.size()},
+                       {"instances", scene.instances.size()},
+                       {"vertices", visibility.vertices},
+                       {"rays_per_vertex", command.ao.desc.ray_count},
+                       {"self", options.self},
+                       {"mean_visibility", significant(mean)},
+                       {"fields_baked", visibility.baked},
+                       {"fields_from_cache", visibility.from_cache},
+                       {"field_bytes", visibility.field_bytes},
+                       {"bake_seconds", significant(visibility.bake_seconds)},
+                       {"self_seconds", significant(visibility.self_seconds)},
+                       {"visibility_seconds", significant(visibility.visibility_seconds)},
+                       {"degenerate", scene.report.degenerate},
+                       {"not_finite", scene.report.not_finite},
+                       {"index_out_of_range", scene.report.index_out_of_range},
+                       {"warnings", scene.report.warnings}});
 }
 
 }  // namespace
@@ -234,14 +235,18 @@ void add_ao_command(CLI::App& app, ExitCode&) {
     command->plan_options.directions.depth_size = kDirectionDepth;
     add_plan_options(*ao, command->plan_options);
     ao->get_option("--kind")->description(
-        "What is baked and looked up: maps (displacement maps), lines (a line table), directions (direction maps, "
-        "with directions that all vertices share), or auto: directions, the most accurate and the fastest here; maps "
-        "where --max-distance, --falloff or --bias ask for distances, where more rays are wanted than vertices can "
+        "What is baked and looked up: maps (displacement maps), lines (a line table), directions (direction "
+        "maps, "
+        "with directions that all vertices share), or auto: directions, the most accurate and the fastest "
+        "here; maps "
+        "where --max-distance, --falloff or --bias ask for distances, where more rays are wanted than "
+        "vertices can "
         "share (4096), or where a flag of the displacement maps is given");
     ao->get_option("--rays")
         ->default_str("256; 512 with direction maps")
-        ->description("Rays a vertex, cosine-weighted; a square number gives a grid. With direction maps: the "
-                      "directions over the whole sphere that all vertices share");
+        ->description(
+            "Rays a vertex, cosine-weighted; a square number gives a grid. With direction maps: the "
+            "directions over the whole sphere that all vertices share");
     ao->add_option("--cache", command->cache, "Folder of baked fields")->capture_default_str();
     ao->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_common_options(*ao, command->common, "all cores");

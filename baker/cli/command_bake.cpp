@@ -256,7 +256,8 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
         command->bake.budget = command->budget;
         command->bake.budget_kind = command->plan_options.kind;
         if (command->budget != 0 && command->plan_options.kind == "all")
-            throw Error(ExitCode::kUsage, "--budget chooses one kind: --kind auto, maps, lines or directions");
+            throw Error(ExitCode::kUsage,
+                        "--budget chooses one kind: --kind auto, maps, lines or directions");
         for (const std::string& note : command->plan_options.notes()) say(command->common.json, note);
         const std::string output = command->output.string();
         const bool folder = command->models.size() > 1 || fs::is_directory(command->output) ||

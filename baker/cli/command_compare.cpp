@@ -177,8 +177,9 @@ void print_comparison(const CompareCommand& command, const Comparison& result) {
     say(target,
         text("%zu receivers, %srays, %.0f%% of them meet a bounding sphere", result.receivers,
              with_prefix(static_cast<double>(result.rays)).c_str(), 100 * result.sphere_hit_fraction));
-    say(target, text("lookup   %8.1f Mray/s, %.1f ns a receiver (%s)", result.lookup_mrays_per_s,
-                     result.lookup_seconds * 1e9 / static_cast<double>(result.receivers), result.kind.c_str()));
+    say(target,
+        text("lookup   %8.1f Mray/s, %.1f ns a receiver (%s)", result.lookup_mrays_per_s,
+             result.lookup_seconds * 1e9 / static_cast<double>(result.receivers), result.kind.c_str()));
     say(target, text("Embree   %8.1f Mray/s (%s, its fastest mode here)", result.embree_mrays_per_s,
                      result.embree_mode.c_str()));
     say(target, text("speedup  %8.2f x", result.speedup) +
@@ -195,7 +196,8 @@ void print_comparison(const CompareCommand& command, const Comparison& result) {
 
 // --budget: the command with the plan that was chosen for the caster, which is baked in memory.
 BudgetChoice choose_plan(CompareCommand& command) {
-    if (command.caster.empty()) throw Error(ExitCode::kUsage, "--budget needs a model to choose for: --caster MODEL");
+    if (command.caster.empty())
+        throw Error(ExitCode::kUsage, "--budget needs a model to choose for: --caster MODEL");
     BudgetOptions options;
     options.budget = command.budget;
     options.kind = command.options.forced_kind();
@@ -220,7 +222,7 @@ void run(CompareCommand& command) {
     input.kind = command.options.forced_kind();
     input.shared = input.kind == DFIELD_KIND_DIRECTIONS;
     const std::uint32_t rays = command.rays.value_or(input.shared ? kSharedRays : kHemisphereRays);
-    input.directions = input.shared                       ? fibonacci_sphere(rays)
+    input.directions = input.shared                      ? fibonacci_sphere(rays)
                        : command.ray_sampling == "polar" ? polar_directions(rays, input.weights)
                                                          : cosine_directions(rays);
     if (command.scene == "corner" || command.scene == "corner-contact") {
@@ -282,7 +284,8 @@ void add_compare_command(CLI::App& app, ExitCode&) {
     compare->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_plan_options(*compare, command->options);
     compare->get_option("--kind")->description(
-        "What is looked up: maps (displacement maps), lines (a line table) or directions (direction maps); auto: maps, "
+        "What is looked up: maps (displacement maps), lines (a line table) or directions (direction maps); "
+        "auto: maps, "
         "or with --budget the best");
     add_budget_option(*compare, command->budget);
     compare->get_option("--budget")->excludes("--field");
@@ -301,10 +304,13 @@ void add_compare_command(CLI::App& app, ExitCode&) {
         if (command->options.kind == "auto" && command->budget == 0) command->options.kind = "maps";
         if (command->options.kind == "all")
             throw Error(ExitCode::kUsage, "--kind: compare one kind at a time: maps, lines or directions");
-        if ((command->options.kind == "directions" || command->options.kind == "auto") && command->ray_sampling == "polar")
-            throw Error(ExitCode::kUsage, "--ray-sampling is for rays around a normal; direction maps share theirs");
+        if ((command->options.kind == "directions" || command->options.kind == "auto") &&
+            command->ray_sampling == "polar")
+            throw Error(ExitCode::kUsage,
+                        "--ray-sampling is for rays around a normal; direction maps share theirs");
         command->plan = command->options.plan();
-        for (const std::string& note : command->options.notes()) std::fprintf(stderr, "dfield: %s\n", note.c_str());
+        for (const std::string& note : command->options.notes())
+            std::fprintf(stderr, "dfield: %s\n", note.c_str());
         run(*command);
     });
 }

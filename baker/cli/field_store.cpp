@@ -36,7 +36,8 @@ std::optional<DisplacementField> matching_field(const std::filesystem::path& pat
                                                 const FieldPlan& plan, const BakeOptions& options,
                                                 bool verified) {
     const std::string provenance = provenance_json(mesh, plan, options, bake_instruction_set());
-    return field_with_provenance(path, [&](const DisplacementField&) { return provenance; }, verified);
+    return field_with_provenance(
+        path, [&](const DisplacementField&) { return provenance; }, verified);
 }
 
 std::optional<DisplacementField> matching_field(const std::filesystem::path& path, const TriangleMesh& mesh,

@@ -138,8 +138,9 @@ class Job {
         const SceneInstance& instance = scene_.instances[i];
         auto& masks = self_masks_[instance.mesh];
         if (!masks) {
-            const auto uses = std::count_if(scene_.instances.begin(), scene_.instances.end(),
-                                            [&](const SceneInstance& other) { return other.mesh == instance.mesh; });
+            const auto uses =
+                std::count_if(scene_.instances.begin(), scene_.instances.end(),
+                              [&](const SceneInstance& other) { return other.mesh == instance.mesh; });
             masks = std::make_unique<SelfMasks>(mesh_of(i), static_cast<std::size_t>(uses), options_.threads);
         }
         return masks->of_instance(instance.transform, directions_);

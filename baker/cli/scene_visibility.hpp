@@ -14,8 +14,8 @@ enum class Method { kLookup, kRays };
 
 struct SceneVisibilityOptions {
     Method method = Method::kLookup;
-    bool self = true;  // objects occlude themselves too
-    dfield_ao_desc ao;  // sampling and kind included
+    bool self = true;           // objects occlude themselves too
+    dfield_ao_desc ao;          // sampling and kind included
     std::vector<float> ground;  // empty, or n.x n.y n.z d
     FieldPlan plan;             // of the fields baked for lookups
     std::filesystem::path cache;
@@ -32,8 +32,8 @@ struct SceneVisibility {
 };
 
 // By lookup: each distinct mesh is baked once (or found in the cache); others' occlusion is looked up, an
-// object's own is ray cast. Shared directions: the two are united ray by ray; otherwise multiplied, which counts
-// twice what both hide. By rays: everything is ray cast at once. Interrupted: Error(kInterrupted).
+// object's own is ray cast. Shared directions: the two are united ray by ray; otherwise multiplied, which
+// counts twice what both hide. By rays: everything is ray cast at once. Interrupted: Error(kInterrupted).
 SceneVisibility scene_visibility(const ImportedScene& scene, const SceneVisibilityOptions& options);
 
 }  // namespace dfield::cli

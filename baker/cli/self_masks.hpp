@@ -1,5 +1,5 @@
-// What an object hides of its own vertices, as masks over directions that all receivers share: united with the masks
-// of what others hide (by OR) they give exactly the visibility past both.
+// What an object hides of its own vertices, as masks over directions that all receivers share: united with
+// the masks of what others hide (by OR) they give exactly the visibility past both.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,17 @@ namespace dfield::cli {
 // Of one mesh, by ray casting.
 class SelfMasks {
   public:
-    // For so many instances of the mesh, which must have normals and outlive this. A few instances are cast one by
-    // one. For more it pays to cast kObjectDirections once in object space; an instance's directions then take the
-    // nearest of them.
+    // For so many instances of the mesh, which must have normals and outlive this. A few instances are cast
+    // one by one. For more it pays to cast kObjectDirections once in object space; an instance's directions
+    // then take the nearest of them.
     SelfMasks(const TriangleMesh& mesh, std::size_t instances, int threads);
 
     // (directions + 31) / 32 words a vertex, as ray_masks() states them, for an instance with this invertible
     // transform. Directions: world space, unit.
-    std::vector<std::uint32_t> of_instance(const glm::mat4& object_to_world, std::span<const glm::vec3> directions);
+    std::vector<std::uint32_t> of_instance(const glm::mat4& object_to_world,
+                                           std::span<const glm::vec3> directions);
 
-    static constexpr std::uint32_t kObjectDirections = 2048;
+    static constexpr std::uint32_t kObjectDirections = 1024;
 
   private:
     std::vector<std::uint32_t> cast(std::span<const glm::vec3> directions) const;
@@ -35,7 +36,7 @@ class SelfMasks {
     int threads_;
     EmbreeScene scene_{EmbreeUse::kFast};
     std::vector<glm::vec3> origins_;
-    std::vector<glm::vec3> object_directions_;   // empty until wanted
+    std::vector<glm::vec3> object_directions_;  // empty until wanted
     std::vector<std::uint32_t> object_masks_;
 };
 

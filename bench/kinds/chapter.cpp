@@ -1,7 +1,7 @@
 // The page's chapter about the kinds, and the same figures as JSON.
 #include <algorithm>
 #include <array>
-#include <map>
+#include <cstdio>
 
 #include "baker/picture/image.hpp"
 #include "baker/picture/plot.hpp"
@@ -287,6 +287,10 @@ cli::Json kinds_json(const Report& report) {
                                   {"rms_grey_non_uniform", significant(row.non_uniform)},
                                   {"rms_grey_mirrored", significant(row.mirrored)}});
     return json;
+}
+
+void say_progress(const std::string& what) {
+    std::fprintf(stderr, "kinds: %s\n", what.c_str());
 }
 
 Report measure_kinds(paper::Lab& lab) {

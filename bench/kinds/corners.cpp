@@ -77,10 +77,10 @@ void add_peers(const paper::Lab& lab, const TriangleMesh& mesh, const paper::Rec
         row.memory_bytes = bytes;
         contests.push_back({std::move(row), std::move(run)});
     };
-    for (const std::uint32_t full : {16u, 24u, 32u, 48u, 64u}) {
+    for (const std::uint32_t full : {16u, 24u, 32u, 64u}) {
         const bool headline = full == 32 || full == 64;
         if (!headline && !sweep) continue;
-        const std::uint32_t size = lab.quick() ? full / 4 : full;
+        const std::uint32_t size = lab.quick() ? full / 2 : full;
         // With a sign and without: the better of both stands for the method.
         std::shared_ptr<DistanceField> best;
         double least = std::numeric_limits<double>::infinity();
@@ -97,7 +97,7 @@ void add_peers(const paper::Lab& lab, const TriangleMesh& mesh, const paper::Rec
         add("distance field", size, suffix, headline, best->memory_bytes(),
             [best, &receivers, &pairs] { return best->visibility(receivers, pairs.directions); });
     }
-    for (const std::uint32_t full : {16u, 24u, 32u, 48u}) {
+    for (const std::uint32_t full : {16u, 24u, 32u, 40u}) {
         if (full != 32 && !sweep) continue;
         const std::uint32_t size = lab.quick() ? full / 4 : full;
         const auto grid = std::make_shared<OcclusionGrid>(mesh, OcclusionGridParameters{size});
@@ -120,6 +120,7 @@ void finish(Row& row, const std::string& model, const paper::Receivers& receiver
 
 void measure_corner(const paper::Lab& lab, const std::string& model, const TriangleMesh& mesh,
                     const paper::Receivers& receivers, bool sweep, Report& report) {
+    say_progress(model);
     const Pairs hemisphere = hemisphere_pairs(lab), shared = shared_pairs(lab);
     EmbreeScene scene(EmbreeUse::kFast);
     scene.add_mesh(mesh);

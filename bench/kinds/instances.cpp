@@ -94,6 +94,7 @@ class Crowd {
 };
 
 InstancesRow measure_layout(const paper::Lab& lab, const Layout& layout) {
+    say_progress(layout.name);
     const Pairs pairs = shared_pairs(lab);
     std::vector<std::vector<std::byte>> fields;
     std::vector<std::unique_ptr<EmbreeScene>> objects;

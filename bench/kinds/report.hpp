@@ -66,10 +66,11 @@ struct Report {
     Measured measured;
 };
 
-// Measures everything on one core. Some minutes.
+// Measures everything on one core. Some minutes; what it is at goes to stderr.
 Report measure_kinds(paper::Lab& lab);
 
 // Its parts; each adds to the report.
+void say_progress(const std::string& what);
 void measure_corners(paper::Lab& lab, Report& report);
 void measure_instances(paper::Lab& lab, Report& report);
 void measure_scales(paper::Lab& lab, Report& report);

@@ -42,6 +42,7 @@ double error_of(const TriangleMesh& mesh, std::span<const std::byte> bytes, cons
 }  // namespace
 
 void measure_scales(paper::Lab& lab, Report& report) {
+    say_progress("scales");
     const paper::Model& model = lab.subject();
     const glm::mat4 turned = glm::rotate(glm::mat4(1), 0.7f, glm::normalize(glm::vec3(1, 2, 0.5f)));
     const glm::mat4 non_uniform = turned * glm::scale(glm::mat4(1), glm::vec3(1, 1.6f, 0.6f));

@@ -75,7 +75,8 @@ SceneChanges dfield_receiver_set::changes_to(const SceneState& now, bool batched
     return changes;
 }
 
-void dfield_receiver_set::find_casters(const SceneState& now, const SceneChanges& changes) {
+void dfield_receiver_set::find_casters(const SceneState* before, const SceneState& now,
+                                       const SceneChanges& changes) {
     reaches_.resize(now.instances.size());
     for (const dfield_instance id : changes.all ? now.active : changes.now) {
         const DirectionCaster caster = direction_caster(*ao_, now.instances[id], id);
@@ -83,9 +84,9 @@ void dfield_receiver_set::find_casters(const SceneState& now, const SceneChanges
     }
     casters_before_.clear();
     casters_now_.clear();
-    if (changes.all) return;
+    if (!before) return;
     for (const dfield_instance id : changes.before)
-        casters_before_.push_back(direction_caster(*ao_, last_->scene.state.instances[id], id));
+        casters_before_.push_back(direction_caster(*ao_, before->instances[id], id));
     for (const dfield_instance id : changes.now)
         casters_now_.push_back(direction_caster(*ao_, now.instances[id], id));
 }
@@ -118,16 +119,14 @@ void dfield_receiver_set::update(dfield_snapshot* snapshot, dfield_update_stats*
     require_kinds(*ao_, now);
     const bool batched = ao_->any_hit() && batch_share(now, *ao_) == BatchShare::kAll;
     const SceneChanges changes = changes_to(now, batched);
-    if (batched) {
-        slabs_.resize(chunks_.size() * slab_count());
-        find_casters(now, changes);
-    }
+    if (batched) slabs_.resize(chunks_.size() * slab_count());
     // From here on the old results are gone: should anything fail, the next update computes all.
     dfield_snapshot* const before = std::exchange(last_, nullptr);
     const auto release = [](dfield_snapshot* old) { dfield_snapshot_release(old); };
     const std::unique_ptr<dfield_snapshot, decltype(release)> keep(before, release);
-    place_attached(now, changes);
     const SceneState* const old = changes.all ? nullptr : &before->scene.state;
+    if (batched) find_casters(old, now, changes);
+    place_attached(now, changes);
     std::atomic<bool> failed{false};
     context()->for_ranges(chunks_.size(), [&](std::size_t begin, std::size_t end) {
         UpdateScratch* scratch = nullptr;
@@ -148,6 +147,8 @@ void dfield_receiver_set::update(dfield_snapshot* snapshot, dfield_update_stats*
         }
         if (scratch) give_scratch(scratch);
     });
+    casters_before_.clear();
+    casters_now_.clear();
     if (failed) throw std::bad_alloc();
     snapshot->retain();
     last_ = snapshot;

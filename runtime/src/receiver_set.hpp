@@ -119,7 +119,7 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
 
     // receiver_set.cpp
     SceneChanges changes_to(const SceneState& now, bool batched) const;
-    void find_casters(const SceneState& now, const SceneChanges& changes);
+    void find_casters(const SceneState* before, const SceneState& now, const SceneChanges& changes);
     std::size_t slab_count() const;
     dfield::runtime::UpdateScratch* take_scratch(std::size_t instances);  // throws std::bad_alloc
     void give_scratch(dfield::runtime::UpdateScratch* scratch);

@@ -1,14 +1,15 @@
-// Which compiled form of a kernel a context calls. Kernels are written once with Google Highway and compiled for SSE4,
-// AVX2, AVX-512 (AVX3) and NEON; the choice is the context's own (dfield_context_desc.simd), never Highway's
-// process-wide one, so two contexts in one process may run at different levels.
+// Which compiled form of a kernel a context calls. Kernels are written once with Google Highway and compiled
+// for SSE4, AVX2, AVX-512 (AVX3) and NEON; the choice is the context's own (dfield_context_desc.simd), never
+// Highway's process-wide one, so two contexts in one process may run at different levels.
 //
-// A kernel's file, runtime/src/blur.cpp, declared in blur.hpp as a plain function `void blur(float* x, size_t n)`:
+// A kernel's file, runtime/src/blur.cpp, declared in blur.hpp as a plain function `void blur(float* x, size_t
+// n)`:
 //
 //     #undef HWY_TARGET_INCLUDE
-//     #define HWY_TARGET_INCLUDE "blur.cpp"  // relative to an include directory of the target: runtime/src is one
-//     #include <hwy/foreach_target.h>        // compiles the file once a target
-//     #include <hwy/highway.h>               // after foreach_target.h
-//     #include "simd.hpp"                    // headers with include guards are seen by the first target alone:
+//     #define HWY_TARGET_INCLUDE "blur.cpp"  // relative to an include directory of the target: runtime/src
+//     is one #include <hwy/foreach_target.h>        // compiles the file once a target #include
+//     <hwy/highway.h>               // after foreach_target.h #include "simd.hpp"                    //
+//     headers with include guards are seen by the first target alone:
 //                                            // nothing in them may depend on the target
 //     HWY_BEFORE_NAMESPACE();
 //     namespace dfield::runtime::HWY_NAMESPACE {
@@ -25,8 +26,8 @@
 //     }
 //     #endif
 //
-// The file is compiled for HWY_SCALAR too (one lane); that form is never picked. An operation that one lane cannot do
-// goes behind `#if HWY_TARGET != HWY_SCALAR`. Choose once a call, not once a receiver.
+// The file is compiled for HWY_SCALAR too (one lane); that form is never picked. An operation that one lane
+// cannot do goes behind `#if HWY_TARGET != HWY_SCALAR`. Choose once a call, not once a receiver.
 #pragma once
 
 #include <hwy/targets.h>
@@ -38,9 +39,9 @@
 
 namespace dfield::runtime {
 
-// Highway's targets that a cap lets run on this processor, 0 for none (the scalar references). Asks the processor,
-// which takes microseconds in a virtual machine: called once, when the context is made. A cap of another processor
-// family allows none.
+// Highway's targets that a cap lets run on this processor, 0 for none (the scalar references). Asks the
+// processor, which takes microseconds in a virtual machine: called once, when the context is made. A cap of
+// another processor family allows none.
 inline std::int64_t allowed_targets(dfield_simd cap) {
     constexpr auto from = [](std::int64_t best, std::int64_t family) { return family & ~(best - 1); };
     // Lower bits are better targets.
@@ -62,7 +63,8 @@ inline std::int64_t allowed_targets(dfield_simd cap) {
     }
 }
 
-// The best kernel of a table made by HWY_EXPORT among `targets`, or `reference` where none of them is compiled.
+// The best kernel of a table made by HWY_EXPORT among `targets`, or `reference` where none of them is
+// compiled.
 template<class Function, std::size_t kEntries>
 Function* pick(Function* const (&table)[kEntries], std::int64_t targets, Function* reference) {
     if (!(targets & HWY_TARGETS & ~(HWY_SCALAR | HWY_EMU128))) return reference;

@@ -46,7 +46,8 @@ float ground_hit(const SceneState& scene, const Ray& ray) {
     return std::max(height, 0.0f) / -approach;
 }
 
-// Rays of a batch, an array a component as kernels want them. Unusable ones have no place: nothing can hit them.
+// Rays of a batch, an array a component as kernels want them. Unusable ones have no place: nothing can hit
+// them.
 class BlockOfRays {
   public:
     BlockOfRays(const SceneState& scene, const RayReader& reader, std::size_t begin, std::size_t count)
@@ -64,8 +65,13 @@ class BlockOfRays {
         }
     }
     RayBlock view() const {
-        return {numbers_[0].data(), numbers_[1].data(), numbers_[2].data(),
-                numbers_[3].data(), numbers_[4].data(), numbers_[5].data(), count_};
+        return {numbers_[0].data(),
+                numbers_[1].data(),
+                numbers_[2].data(),
+                numbers_[3].data(),
+                numbers_[4].data(),
+                numbers_[5].data(),
+                count_};
     }
     std::size_t size() const { return count_; }
     float ground(std::size_t i) const { return ground_[i]; }
@@ -90,7 +96,8 @@ struct NearestHits {
 };
 
 // Whatever the rays' maximal distances are.
-void find_nearest(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays, NearestHits& hits) {
+void find_nearest(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays,
+                  NearestHits& hits) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         hits.distance[i] = rays.ground(i);
         hits.instance[i] = DFIELD_NO_INSTANCE;
@@ -104,7 +111,8 @@ void find_nearest(const SceneState& scene, const RayLookups& lookups, const Bloc
     }
 }
 
-void find_occluded(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays, std::uint8_t* result) {
+void find_occluded(const SceneState& scene, const RayLookups& lookups, const BlockOfRays& rays,
+                   std::uint8_t* result) {
     if (rays.bounded()) {
         NearestHits hits;
         find_nearest(scene, lookups, rays, hits);

@@ -82,8 +82,9 @@ std::string model(const char* name) {
 
 const Arguments kField{"--subdivision", "24", "--map-size", "24", "--rays", "64"};
 // Grey levels of 255, measured (11.71, +0.80, 4.22) and 15% more. By lookup an object's own shadow is
-// multiplied with that of others as if they fell independently: most of the difference.
-constexpr double kLimitRmsUnited = 5, kLimitBiasUnited = 2;
+// multiplied with that of others as if they fell independently: most of the difference. By direction maps
+// they are united (4.48, -1.08).
+constexpr double kLimitRmsUnited = 5.2, kLimitBiasUnited = 1.3;
 constexpr double kLimitRms = 13.5, kLimitBias = 0.95, kLimitRmsNoSelf = 4.9;
 
 }  // namespace
@@ -164,15 +165,16 @@ TEST_CASE("ao by direction maps unites an object's own shadow with that of other
     CHECK(rays.at("sampling") == "shared");
     const Difference difference = grey_difference(occlusion_of(shell.folder() / "lookup.glb"),
                                                   occlusion_of(shell.folder() / "rays.glb"));
-    std::printf("ao by direction maps against rays: %.2f grey RMS, bias %+.2f\n", difference.rms, difference.bias);
+    std::printf("ao by direction maps against rays: %.2f grey RMS, bias %+.2f\n", difference.rms,
+                difference.bias);
     CHECK(difference.rms < kLimitRmsUnited);
     CHECK(std::fabs(difference.bias) < kLimitBiasUnited);
 }
 
 TEST_CASE("ao --kind: what answers, and what auto takes") {
     const Shell shell;
-    const auto answer = [&](const Arguments& more) {
-        Arguments arguments{"--ground", "-0.5", "--rays", "16"};
+    const auto answer = [&](const Arguments& more, const char* rays = "16") {
+        Arguments arguments{"--ground", "-0.5", "--rays", rays};
         arguments.insert(arguments.end(), more.begin(), more.end());
         SmallGltf gltf;
         Json& nodes = gltf.json["nodes"];
@@ -185,14 +187,15 @@ TEST_CASE("ao --kind: what answers, and what auto takes") {
     CHECK(answer({"--max-distance", "1"}).at("kind") == "maps");
     CHECK(answer({"--bias", "0.1"}).at("kind") == "maps");
     CHECK(answer({"--map-size", "8", "--subdivision", "4"}).at("kind") == "maps");
-    CHECK(answer({"--rays", "4097"}).at("kind") == "maps");
+    CHECK(answer({}, "4097").at("kind") == "maps");
     for (const std::string kind : {"maps", "lines", "directions"}) {
         const Json json = answer({"--kind", kind});
         CHECK(json.at("kind") == kind);
         CHECK(json.at("sampling") == (kind == "directions" ? "shared" : "hemisphere"));
         // One quad 0.5 over another: each kind sees the same.
         CHECK(json.at("mean_visibility").get<double>() ==
-              Approx(answer({"--method", "rays", "--kind", kind}).at("mean_visibility").get<double>()).margin(0.03));
+              Approx(answer({"--method", "rays", "--kind", kind}).at("mean_visibility").get<double>())
+                  .margin(0.03));
         CHECK(answer({"--kind", kind, "--max-distance", "0.6"}).at("kind") == kind);
     }
 }

@@ -40,7 +40,8 @@ Json check_choice(const Json& budget, double bytes) {
             number(candidate.at(scene), "max_grey", rms, 255);
             CHECK(number(candidate.at(scene), "rms_grey_converged", 0.01, 100) != rms);
         }
-        CHECK(candidate.at("corner").at("rms_grey") >= winner.at("corner").at("rms_grey").get<double>() - 0.01);
+        CHECK(candidate.at("corner").at("rms_grey") >=
+              winner.at("corner").at("rms_grey").get<double>() - 0.01);
     }
     return winner;
 }

@@ -113,6 +113,72 @@ TEST_CASE("Queries allocate nothing") {
     CHECK(allocations > 10);
 }
 
+TEST_CASE("Running out of memory in commits and updates is a status, leaks nothing, and is made up for") {
+    struct Heap {
+        std::size_t allowed = SIZE_MAX, live = 0;
+    } heap;
+    dfield_context_desc hooks{};
+    hooks.struct_size = sizeof hooks;
+    hooks.user = &heap;
+    hooks.allocate = [](void* user, std::size_t size, std::size_t alignment) -> void* {
+        Heap& counted = *static_cast<Heap*>(user);
+        if (counted.allowed == 0) return nullptr;
+        --counted.allowed;
+        ++counted.live;
+        return ::operator new (size, std::align_val_t{alignment});
+    };
+    hooks.deallocate = [](void* user, void* memory, std::size_t, std::size_t alignment) {
+        --static_cast<Heap*>(user)->live;
+        ::operator delete (memory, std::align_val_t{alignment});
+    };
+    {
+        World world(hooks);
+        dfield_ao_desc desc = Ao::defaults();
+        desc.sampling = DFIELD_SAMPLING_SHARED;
+        desc.ray_count = 64;
+        const Ao ao(world.context, desc);
+        dfield_receivers receivers = world.list.view();
+        receivers.count = 100;
+        const glm::mat4 moved(1.0f);
+        std::size_t refused = 0;
+        for (std::size_t allowed = 0;; ++allowed) {
+            const std::size_t before = heap.live;
+            dfield_receiver_set* created = nullptr;
+            dfield_snapshot* snapshot = nullptr;
+            dfield_receiver_set_desc set_desc{};
+            set_desc.struct_size = sizeof set_desc;
+            set_desc.ao = ao.get();
+            set_desc.receivers = receivers;
+            world.scene.set_transform(0, &moved[0][0]);
+            heap.allowed = allowed;
+            dfield_status status = dfield_receiver_set_create(world.context.get(), &set_desc, &created);
+            if (!status) status = dfield_scene_commit(world.scene.get(), &snapshot);
+            if (!status) status = dfield_receiver_set_update(created, snapshot, nullptr);
+            heap.allowed = SIZE_MAX;
+            const bool done = status == DFIELD_OK;
+            refused += status == DFIELD_OUT_OF_MEMORY;
+            CHECK((done || status == DFIELD_OUT_OF_MEMORY));
+            // What failed works when there is memory.
+            if (created) {
+                const Snapshot later = world.scene.commit();
+                ReceiverSet fresh(world.context, ao, receivers);
+                fresh.update(later);
+                REQUIRE(dfield_receiver_set_update(created, later.get(), nullptr) == DFIELD_OK);
+                CHECK(std::memcmp(dfield_receiver_set_get_visibility(created), fresh.visibility(),
+                                  receivers.count * sizeof(float)) == 0);
+            }
+            dfield_receiver_set_release(created);
+            dfield_snapshot_release(snapshot);
+            // The scene may have grown the hierarchy that it keeps.
+            CHECK(heap.live <= before + 4);
+            if (done) break;
+            REQUIRE(allowed < 300);
+        }
+        CHECK(refused > 8);
+    }
+    CHECK(heap.live == 0);
+}
+
 TEST_CASE("Batches may be split anywhere") {
     dfield_context_desc hooks{};
     hooks.struct_size = sizeof hooks;

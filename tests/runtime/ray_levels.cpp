@@ -1,5 +1,5 @@
-// The ray kernels of every instruction set against the plain code: the same rays blocked, at the same distances, but for
-// those that rounding puts into another texel.
+// The ray kernels of every instruction set against the plain code: the same rays blocked, at the same
+// distances, but for those that rounding puts into another texel.
 #include <array>
 #include <bit>
 #include <catch2/catch.hpp>
@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::array kLevels{DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_AVX512, DFIELD_SIMD_NEON};
 
-// Rays that may end in another texel than the plain code's. Measured: 2e-5 .. 2e-4 of all rays that meet the sphere.
+// Rays that may end in another texel than the plain code's. Measured: 2e-5 .. 2e-4 of all rays that meet the
+// sphere.
 constexpr double kOtherTexel = 5e-4;
 
 Context context_at(dfield_simd simd) {
@@ -51,8 +52,8 @@ std::vector<std::byte> line_bytes(const TriangleMesh& mesh, bool pivot, std::uin
     return write_field(field, {.zstd_level = 1});
 }
 
-// What one level says of receivers and rays around a few placements of an object. 300 rays: two blocks, the second
-// with a tail.
+// What one level says of receivers and rays around a few placements of an object. 300 rays: two blocks, the
+// second with a tail.
 struct Answers {
     std::vector<std::uint32_t> masks;
     std::vector<float> falloff;
@@ -187,9 +188,9 @@ TEST_CASE("Line tables: every level finds what the plain code finds") {
 
 TEST_CASE("Fields without kernels answer the same bits at every level") {
     const TriangleMesh mesh = clutter();
-    for (const auto& bytes : {test::baked_bytes(mesh, 8, 16, 8, Mapping::kPolar),
-                              test::baked_bytes(mesh, 8, 16, 16),
-                              test::baked_bytes(mesh, 8, 16, 8, Mapping::kConcentric, Positions::kLatlong)}) {
+    for (const auto& bytes :
+         {test::baked_bytes(mesh, 8, 16, 8, Mapping::kPolar), test::baked_bytes(mesh, 8, 16, 16),
+          test::baked_bytes(mesh, 8, 16, 8, Mapping::kConcentric, Positions::kLatlong)}) {
         const Answers plain = ask(DFIELD_SIMD_SCALAR, bytes), fast = ask(DFIELD_SIMD_BEST, bytes);
         CHECK(plain.masks == fast.masks);
         CHECK(plain.falloff == fast.falloff);

@@ -181,6 +181,14 @@ TEST_CASE("An update is a computation from scratch, bit for bit") {
     SECTION("many shared directions") {
         check_edits(context, shared(700), fields, 200, scalar ? 6 : 40);
     }
+    SECTION("levels of detail") {
+        const auto bytes = baked_directions_bytes(two_boxes(), 8, 32, 16, true);
+        const Field levels = Field::load(context, bytes.data(), bytes.size());
+        REQUIRE(levels.info().direction_levels == 2);
+        dfield_ao_desc desc = shared(96);
+        desc.level_error = 0.02f;
+        check_edits(context, desc, {&box, &levels}, 300, scalar ? 6 : 30);
+    }
     SECTION("shared directions, displacement maps") {
         dfield_ao_desc desc = shared(64);
         desc.kind = DFIELD_KIND_MAPS;

@@ -33,27 +33,30 @@ typedef enum dfield_sampling {
 
 typedef struct dfield_ao_desc {
     size_t struct_size; /* sizeof(dfield_ao_desc) */
-    uint32_t ray_count; /* 1..DFIELD_MAX_RAYS; hemisphere: a square gives the concentric map's grid. Shared:
-                           1..DFIELD_MAX_SHARED_RAYS, half of them are in a receiver's hemisphere */
-    uint32_t falloff;   /* dfield_falloff; all but NONE need a finite max_distance */
-    float max_distance; /* > 0; INFINITY = unbounded */
-    float falloff_rate; /* EXPONENTIAL: k > 0 */
+    /* Hemisphere: 1..DFIELD_MAX_RAYS, a square gives the concentric map's grid. Shared:
+       1..DFIELD_MAX_SHARED_RAYS, of which about half lie in a receiver's hemisphere. */
+    uint32_t ray_count;
+    uint32_t falloff;           /* dfield_falloff; all but NONE need a finite max_distance */
+    float max_distance;         /* > 0; INFINITY = unbounded */
+    float falloff_rate;         /* EXPONENTIAL: k > 0 */
     const float* falloff_table; /* TABLE: visibility V in [0,1] at even steps of distance, copied */
     size_t falloff_table_size;  /* 2..65536 */
-    const float*
-        directions; /* null: cosine-weighted; shared: spherical Fibonacci points. Otherwise 3 * ray_count
-                       floats, unit; around +z (the normal, z >= 0); shared: anywhere. Copied */
-    const float* weights; /* only with directions: ray_count floats >= 0 that sum to 1; null: even. Shared:
-                             any sum, they multiply max(0, n.w). Copied */
-    float bias;        /* >= 0, world units: hits nearer than this do not count, unless the whole object lies
-                          in front of the receiver's tangent plane (then it is not the surface that the
-                          receiver lies on) */
+    /* Null: cosine-weighted; shared: spherical Fibonacci points. Otherwise 3 * ray_count floats, unit, around
+       +z (the normal, z >= 0); shared: anywhere. Copied. */
+    const float* directions;
+    /* Only with directions: ray_count floats >= 0 that sum to 1; null: even. Shared: any sum, they multiply
+       max(0, n.w). Copied. */
+    const float* weights;
+    /* >= 0, world units: hits nearer than this do not count, unless the whole object lies in front of the
+       receiver's tangent plane (then it is not the surface that the receiver lies on). */
+    float bias;
     uint32_t sampling; /* dfield_sampling */
     uint32_t kind;     /* dfield_kind: forces queries to it, AUTO by default */
-    float level_error; /* 0..1. 0: the finest level of detail always. Otherwise a receiver at D bounding radii
-                          from an instance reads the coarsest level with p / (D * D) <= level_error, p being
-                          the share of the lines through the instance's sphere on which that level and the
-                          finest disagree: its visibility changes by no more, for each instance */
+    /* 0..1. 0: the finest level of detail always. Otherwise a receiver at D bounding radii from an instance
+       reads the coarsest level with p / (D * D) <= level_error, p being the share of the lines through the
+       instance's sphere on which that level and the finest disagree: its visibility changes by no more, for
+       each instance. */
+    float level_error;
 } dfield_ao_desc;
 
 /* 256 rays, hemisphere sampling, unbounded, no falloff, bias 0, kind AUTO. */

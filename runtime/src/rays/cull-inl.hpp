@@ -31,9 +31,9 @@ struct Packed {
 
     HWY_INLINE void add(const std::array<VF, kNumbers>& values, VI ids, MF kept) {
         // Compressed in the register and stored whole: compressing stores are slow on some processors.
-        for (int k = 0; k < kNumbers; ++k)
-            hn::StoreU(hn::Compress(values[k], kept), F(), numbers[k].data() + count);
-        hn::StoreU(hn::Compress(ids, hn::RebindMask(I(), kept)), I(), id.data() + count);
+        const Packing pack(kept);
+        for (int k = 0; k < kNumbers; ++k) hn::StoreU(pack(values[k]), F(), numbers[k].data() + count);
+        hn::StoreU(pack(ids), I(), id.data() + count);
         count += hn::CountTrue(F(), kept);
     }
     HWY_INLINE V3 vector(int first, std::size_t k) const {
@@ -58,15 +58,17 @@ HWY_INLINE MF open_lanes(const std::uint8_t* blocked, std::size_t i, std::size_t
     return hn::And(inside, hn::RebindMask(f, hn::Eq(taken, hn::Zero(I()))));
 }
 
-// Which directions w lead from a point o outside the unit sphere past its centre within a radius or little more, where a
-// matrix M carries them to the sphere's space: (o.Mw)^2 > (o.o - 1) |Mw|^2, a polynomial of w.
+// Which directions w lead from a point o outside the unit sphere past its centre within a radius or little
+// more, where a matrix M carries them to the sphere's space: (o.Mw)^2 > (o.o - 1) |Mw|^2, a polynomial of w.
 struct Silhouette {
     VF xx, yy, zz, xy, xz, yz;
 
     HWY_INLINE Silhouette(const glm::vec3& o, const glm::mat3& m) {
         const glm::vec3 towards = o * m;
         const float outside = 0.999f * (glm::dot(o, o) - 1);
-        const auto term = [&](int i, int j) { return towards[i] * towards[j] - outside * glm::dot(m[i], m[j]); };
+        const auto term = [&](int i, int j) {
+            return towards[i] * towards[j] - outside * glm::dot(m[i], m[j]);
+        };
         xx = set(term(0, 0)), yy = set(term(1, 1)), zz = set(term(2, 2));
         xy = set(2 * term(0, 1)), xz = set(2 * term(0, 2)), yz = set(2 * term(1, 2));
     }
@@ -188,20 +190,30 @@ class OwnRays {
     Packed<6> packed_;
 };
 
-// Marks the rays whose lanes hit.
-HWY_INLINE void mark(VI ids, MF hits, std::uint8_t* blocked) {
-    alignas(64) std::int32_t list[hn::MaxLanes(I())];
-    // Lanes without a hit mark the padding: cheaper than a loop whose length nobody can predict.
-    hn::Store(hn::IfThenElse(hn::RebindMask(I(), hits), ids, hn::Set(I(), kRayBlock)), I(), list);
-    for (std::size_t k = 0; k < hn::Lanes(I()); ++k) blocked[list[k]] = 1;
-}
+// The rays that hit, gathered before any is marked.
+class Marks {
+  public:
+    // Lanes [k, ...) of the packed rays. Those without a hit mark the padding: cheaper than a loop whose
+    // length nobody can predict.
+    HWY_INLINE void put(std::size_t k, VI ids, MF hits) {
+        hn::StoreU(hn::IfThenElse(hn::RebindMask(I(), hits), ids, hn::Set(I(), kRayBlock)), I(),
+                   ids_.data() + k);
+    }
+    HWY_INLINE void write(std::size_t count, std::uint8_t* blocked) const {
+        for (std::size_t k = 0; k < count; ++k) blocked[ids_[k]] = 1;
+    }
+
+  private:
+    alignas(64) RayArray<std::int32_t> ids_;
+};
 
 // nearest[id] becomes the smaller of itself and t.
 HWY_INLINE void lower(VI ids, MF hits, VF t, float* nearest) {
     alignas(64) std::int32_t list[hn::MaxLanes(I())];
     alignas(64) float values[hn::MaxLanes(F())];
-    hn::Store(hn::Compress(ids, hn::RebindMask(I(), hits)), I(), list);
-    hn::Store(hn::Compress(t, hits), F(), values);
+    const Packing pack(hits);
+    hn::Store(pack(ids), I(), list);
+    hn::Store(pack(t), F(), values);
     const std::size_t count = hn::CountTrue(F(), hits);
     for (std::size_t k = 0; k < count; ++k) nearest[list[k]] = std::min(nearest[list[k]], values[k]);
 }

@@ -17,8 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::HWY_NAMESPACE {
 
 const RayLookups& lookups_of_target() {
-    static constexpr RayLookups kLookups{{maps_any_hits, maps_distances, maps_ray_any_hits, maps_ray_distances},
-                                         {lines_any_hits, lines_distances, lines_ray_any_hits, lines_ray_distances}};
+    static constexpr RayLookups kLookups{
+        {maps_any_hits, maps_distances, maps_ray_any_hits, maps_ray_distances},
+        {lines_any_hits, lines_distances, lines_ray_any_hits, lines_ray_distances}};
     return kLookups;
 }
 

@@ -121,6 +121,7 @@ HWY_INLINE void any_line_hits(const dfield_field& field, const Rays& rays, float
                               std::uint8_t* blocked) {
     const F f;
     const VF minimum = set(least);
+    Marks marks;
     for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
         const Chords chord(rays.origin(k), rays.direction(k), kLineRadius);
         const MF inside = hn::FirstN(f, rays.count() - k);
@@ -131,8 +132,9 @@ HWY_INLINE void any_line_hits(const dfield_field& field, const Rays& rays, float
             const MF behind = hn::Le(hits_on_lines<false>(field, chord, hit).last, minimum);
             hit = hn::And(hit, hn::Not(hn::And(unsure, behind)));
         }
-        mark(rays.ids(k), hit, blocked);
+        marks.put(k, rays.ids(k), hit);
     }
+    marks.write(rays.count(), blocked);
 }
 
 template<class Rays>

@@ -31,27 +31,38 @@ struct MapHits {
     VF t;
 };
 
-// The field's arrays can be read three bytes past their end.
+// A texel's raw bits.
 template<int kBits>
-HWY_INLINE MapHits read_texels(const dfield_field& field, const Probes& probes) {
-    const I i;
-    const auto* const texels = reinterpret_cast<const std::int32_t*>(field.maps.texels.data());
+HWY_INLINE std::int32_t stored_texel(const std::uint8_t* texels, std::int32_t texel) {
+    return kBits == 8 ? texels[texel] : texels[texel >> 3] >> (texel & 7) & 1;
+}
+
+// Reads lane by lane: a gathering instruction takes longer for bytes, on processors old and new.
+template<int kBits>
+HWY_INLINE VI stored_texels(const dfield_field& field, VI texels) {
+    alignas(64) std::int32_t lanes[hn::MaxLanes(I())];
+    hn::Store(texels, I(), lanes);
+    for (std::int32_t& lane : lanes) lane = stored_texel<kBits>(field.maps.texels.data(), lane);
+    return hn::Load(I(), lanes);
+}
+
+template<int kBits>
+HWY_INLINE MapHits hits_of(const dfield_field& field, const Probes& probes, VI stored) {
     if constexpr (kBits == 8) {
-        const VI value = hn::And(hn::GatherOffset(i, texels, probes.texel), hn::Set(i, 255));
-        return {hn::RebindMask(F(), hn::Ne(value, hn::Set(i, kMiss8))),
-                hn::MulAdd(hn::ConvertTo(F(), value), hn::Mul(probes.scale, set(2 / 254.0f)), probes.base)};
+        return {hn::RebindMask(F(), hn::Ne(stored, hn::Set(I(), kMiss8))),
+                hn::MulAdd(hn::ConvertTo(F(), stored), hn::Mul(probes.scale, set(2 / 254.0f)), probes.base)};
     } else {
-        const hn::RebindToUnsigned<I> u;
-        const VI word = hn::GatherOffset(i, texels, hn::ShiftRight<3>(probes.texel));
-        const auto bit = hn::Shl(hn::Set(u, 1), hn::BitCast(u, hn::And(probes.texel, hn::Set(i, 7))));
-        const auto* const depths = reinterpret_cast<const std::int32_t*>(field.maps.mean_depth.data());
-        const VI raw = hn::And(hn::GatherOffset(i, depths, hn::ShiftLeft<1>(probes.map)), hn::Set(i, 65535));
+        const MF hit = hn::RebindMask(F(), hn::Ne(stored, hn::Zero(I())));
+        if (hn::AllTrue(F(), hn::Eq(probes.scale, hn::Zero(F())))) return {hit, probes.base};
         // hit_parameter's mean depth along the normal, carried along the ray.
+        alignas(64) std::int32_t depths[hn::MaxLanes(I())];
+        hn::Store(probes.map, I(), depths);
+        for (std::int32_t& lane : depths) lane = field.maps.mean_depth[static_cast<std::size_t>(lane)];
+        const VI raw = hn::Load(I(), depths);
         const VF depth = hn::Mul(hn::ConvertTo(F(), raw), set(2 / 65535.0f)), cosine = probes.cosine;
         const VF distance =
             hn::Div(hn::Min(depth, hn::Mul(hn::Add(cosine, cosine), cosine)), hn::Max(cosine, set(1e-6f)));
-        return {hn::RebindMask(F(), hn::TestBit(hn::BitCast(u, word), bit)),
-                hn::MulAdd(distance, probes.scale, probes.base)};
+        return {hit, hn::MulAdd(distance, probes.scale, probes.base)};
     }
 }
 
@@ -68,12 +79,14 @@ struct PendingProbes {
         hn::Store(probes.cosine, F(), cosine.data() + k);
     }
     HWY_INLINE Probes get(std::size_t k) const {
-        return {hn::Load(I(), texel.data() + k), hn::Load(I(), map.data() + k), hn::Load(F(), scale.data() + k),
-                hn::Load(F(), base.data() + k), hn::Load(F(), cosine.data() + k)};
+        return {hn::Load(I(), texel.data() + k), hn::Load(I(), map.data() + k),
+                hn::Load(F(), scale.data() + k), hn::Load(F(), base.data() + k),
+                hn::Load(F(), cosine.data() + k)};
     }
 };
 
-// Finds all texels, and asks for their memory, before it reads the first: tables are larger than the nearer caches.
+// Finds all texels, and asks for their memory, before it reads the first: tables are larger than the nearer
+// caches.
 template<int kBits, class Rays>
 HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float least, bool in_front,
                              std::uint8_t* blocked) {
@@ -83,6 +96,7 @@ HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float 
     const MF front = in_front ? hn::Eq(minimum, minimum) : hn::Ne(minimum, minimum);
     const std::uint8_t* const texels = field.maps.texels.data();
     PendingProbes pending;
+    Marks marks;
     for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
         const Chords chord(rays.origin(k), rays.direction(k));
         const MF inside = hn::FirstN(f, rays.count() - k);
@@ -94,13 +108,18 @@ HWY_INLINE void any_map_hits(const dfield_field& field, const Rays& rays, float 
         probes.scale = hn::IfThenZeroElse(hn::Or(sure, hn::Not(valid)), probes.scale);
         probes.base = hn::IfThenElse(valid, hn::IfThenElse(sure, infinity, probes.base), hn::Neg(infinity));
         pending.put(k, probes);
-        for (std::size_t lane = 0; lane < hn::Lanes(f); ++lane)
-            prefetch(texels + (kBits == 8 ? pending.texel[k + lane] : pending.texel[k + lane] >> 3));
+        // Those of the lanes before: they can be loaded one by one from where they were stored by now.
+        for (std::size_t lane = k < hn::Lanes(f) ? k : k - hn::Lanes(f); lane < k; ++lane)
+            prefetch(texels + (kBits == 8 ? pending.texel[lane] : pending.texel[lane] >> 3));
     }
+    for (std::size_t k = 0; k < rays.count(); ++k)
+        pending.texel[k] = stored_texel<kBits>(texels, pending.texel[k]);
     for (std::size_t k = 0; k < rays.count(); k += hn::Lanes(f)) {
-        const MapHits found = read_texels<kBits>(field, pending.get(k));
-        mark(rays.ids(k), hn::And(found.hit, hn::Gt(found.t, minimum)), blocked);
+        const Probes probes = pending.get(k);
+        const MapHits found = hits_of<kBits>(field, probes, probes.texel);
+        marks.put(k, rays.ids(k), hn::And(found.hit, hn::Gt(found.t, minimum)));
     }
+    marks.write(rays.count(), blocked);
 }
 
 template<int kBits, class Rays>
@@ -115,7 +134,8 @@ HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float
         const Chords chord(rays.origin(k), rays.direction(k));
         const MF inside = hn::FirstN(f, rays.count() - k);
         const MF valid = hn::And(inside, hn::And(chord.valid, hn::Gt(chord.t_out(), zero)));
-        const MapHits found = read_texels<kBits>(field, probe(maps, chord, none, valid));
+        const Probes probes = probe(maps, chord, none, valid);
+        const MapHits found = hits_of<kBits>(field, probes, stored_texels<kBits>(field, probes.texel));
         const MF hit = hn::And(valid, found.hit);
         const VF t = hn::Max(
             found.t, in_front ? zero : hn::IfThenElse(hn::Ge(chord.t_in(), zero), chord.t_in(), found.t));
@@ -126,7 +146,8 @@ HWY_INLINE void map_distances(const dfield_field& field, const Rays& rays, float
     for (std::size_t k = 0; k < again.count(); k += hn::Lanes(f)) {
         const Chords chord(again.origin(k), again.direction(k));
         const MF valid = hn::FirstN(f, again.count() - k);
-        const MapHits found = read_texels<kBits>(field, probe(maps, chord, hn::Not(none), valid));
+        const Probes probes = probe(maps, chord, hn::Not(none), valid);
+        const MapHits found = hits_of<kBits>(field, probes, stored_texels<kBits>(field, probes.texel));
         const MF ahead = hn::And(hn::Gt(found.t, zero), hn::Ge(found.t, minimum));
         lower(again.ids(k), hn::And(hn::And(valid, found.hit), ahead), found.t, nearest);
     }

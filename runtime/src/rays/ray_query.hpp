@@ -30,7 +30,8 @@ struct LeavingDirections {
             outward[axis] = box.outward[axis] * glm::vec3(carry[0][axis], carry[1][axis], carry[2][axis]);
     }
     bool leaves(const glm::vec3& d) const {
-        return (glm::dot(outward[0], d) > 0) | (glm::dot(outward[1], d) > 0) | (glm::dot(outward[2], d) > 0);
+        const glm::vec3 away(glm::dot(outward[0], d), glm::dot(outward[1], d), glm::dot(outward[2], d));
+        return (away.x > 0) | (away.y > 0) | (away.z > 0);
     }
 };
 

@@ -1,4 +1,5 @@
-// The ray kernels in plain code, ray by ray: what the vector kernels are held to, and what runs where there are none.
+// The ray kernels in plain code, ray by ray: what the vector kernels are held to, and what runs where there
+// are none.
 #include <algorithm>
 #include <limits>
 
@@ -18,8 +19,9 @@ void maps_any_hits(const RayQuery& query, const float* x, const float* y, const 
     for (std::size_t i = 0; i < count; ++i)
         if (!blocked[i] && chord_of_query(query, {x[i], y[i], z[i]}, chord))
             batch.add(chord, static_cast<std::uint16_t>(i), query.minimum, query.in_front);
-    with_bits(*query.field,
-              [&]<int kBits>() { batch.look_up<kBits>(*query.field, [&](std::uint16_t i) { blocked[i] = 1; }); });
+    with_bits(*query.field, [&]<int kBits>() {
+        batch.look_up<kBits>(*query.field, [&](std::uint16_t i) { blocked[i] = 1; });
+    });
 }
 
 template<int kBits>
@@ -48,8 +50,7 @@ void maps_distances(const RayQuery& query, const float* x, const float* y, const
 template<class LookUp>
 void for_map_rays(const Instance& instance, const RayBlock& rays, const LookUp& look_up) {
     for (std::size_t i = 0; i < rays.count; ++i) {
-        const glm::vec3 origin =
-            instance.carry_point({rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]});
+        const glm::vec3 origin = instance.carry_point({rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]});
         const glm::vec3 direction = instance.carry_direction({rays.x[i], rays.y[i], rays.z[i]});
         Chord chord;
         if (!instance.leaving_box(origin).leaves(direction.x, direction.y, direction.z) &&
@@ -63,8 +64,9 @@ void maps_ray_any_hits(const Instance& instance, const RayBlock& rays, std::uint
     for_map_rays(instance, rays, [&](std::size_t i, const Chord& chord) {
         if (!blocked[i]) batch.add(chord, static_cast<std::uint16_t>(i), 0, false);
     });
-    with_bits(*instance.field,
-              [&]<int kBits>() { batch.look_up<kBits>(*instance.field, [&](std::uint16_t i) { blocked[i] = 1; }); });
+    with_bits(*instance.field, [&]<int kBits>() {
+        batch.look_up<kBits>(*instance.field, [&](std::uint16_t i) { blocked[i] = 1; });
+    });
 }
 
 void maps_ray_distances(const Instance& instance, const RayBlock& rays, float* nearest) {

@@ -49,7 +49,7 @@ HWY_INLINE VF reciprocal(VF x) {
     return hn::Mul(r, hn::NegMulAdd(x, r, set(2)));
 }
 HWY_INLINE VF inverse_root(VF x) {
-    const VF safe = hn::Max(x, set(1e-30f));
+    const VF safe = hn::Max(x, set(1e-36f));
     const VF r = hn::ApproximateReciprocalSqrt(safe);
     return hn::Mul(r, hn::NegMulAdd(hn::Mul(set(0.5f), safe), hn::Mul(r, r), set(1.5f)));
 }
@@ -95,16 +95,63 @@ struct Chords {
     MF valid;
 
     HWY_INLINE Chords(const V3& origin, const V3& d, float radius = 1) : direction(d) {
-        inverse_square = hn::Div(set(1), dot(d, d));
+        const VF inverse_length = inverse_root(dot(d, d));
+        inverse_square = hn::Mul(inverse_length, inverse_length);
         t_middle = hn::Mul(hn::Neg(dot(origin, d)), inverse_square);
         middle = along(origin, t_middle, d);
         const VF rest = hn::Sub(set(radius * radius), dot(middle, middle));
         valid = hn::Gt(rest, set(0));
-        half = hn::Sqrt(hn::Mul(rest, inverse_square));
+        half = hn::Mul(hn::Mul(rest, inverse_root(rest)), inverse_length);
     }
     HWY_INLINE VF t_in() const { return hn::Sub(t_middle, half); }
     HWY_INLINE VF t_out() const { return hn::Add(t_middle, half); }
     HWY_INLINE V3 at_middle_plus(VF t) const { return along(middle, t, direction); }
+};
+
+// Packs the lanes of a mask at the start of a register.
+class Packing {
+  public:
+#if HWY_TARGET == HWY_AVX2
+    // Highway 1.0.3's own makes g++ copy its table to the stack at every use.
+    explicit HWY_INLINE Packing(MF mask) : lanes_(lanes_of(mask)) {}
+    HWY_INLINE VF operator()(VF v) const {
+        return hn::TableLookupLanes(v, hn::IndicesFromVec(F(), lanes_));
+    }
+    HWY_INLINE VI operator()(VI v) const {
+        return hn::TableLookupLanes(v, hn::IndicesFromVec(I(), lanes_));
+    }
+
+  private:
+    // Which lanes a mask's bits name, ascending.
+    struct Table {
+        alignas(8) std::uint8_t lanes[256][8]{};
+
+        constexpr Table() {
+            for (int mask = 0; mask < 256; ++mask)
+                for (int lane = 0, next = 0; lane < 8; ++lane)
+                    if (mask >> lane & 1) lanes[mask][next++] = static_cast<std::uint8_t>(lane);
+        }
+    };
+    static HWY_INLINE VI lanes_of(MF mask) {
+        static constexpr Table kTable;
+        std::uint8_t bits[8];
+        hn::StoreMaskBits(F(), mask, bits);
+        const hn::Rebind<std::uint8_t, I> bytes;
+        return hn::PromoteTo(I(), hn::Load(bytes, kTable.lanes[bits[0]]));
+    }
+    VI lanes_;
+#else
+    explicit HWY_INLINE Packing(MF mask) : mask_(mask) {}
+    HWY_INLINE VF operator()(VF v) const {
+        return hn::Compress(v, mask_);
+    }
+    HWY_INLINE VI operator()(VI v) const {
+        return hn::Compress(v, hn::RebindMask(I(), mask_));
+    }
+
+  private:
+    MF mask_;
+#endif
 };
 
 }  // namespace dfield::runtime::HWY_NAMESPACE
