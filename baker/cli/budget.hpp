@@ -40,8 +40,7 @@ struct BudgetOptions {
     std::uint64_t budget;
     // The kind to stay with; AUTO tries all.
     dfield_kind kind = DFIELD_KIND_AUTO;
-    std::uint64_t reserved =
-        0;  // bytes of the budget for self visibilities
+    std::uint64_t reserved = 0;  // bytes of the budget for self visibilities
     int threads = 0;
     bool quiet = false;
 };

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t kSharedRays = 512;  // over the whole sphere: half of them face a vertex
-constexpr std::uint32_t kDirectionDepth = 16;
+constexpr std::uint32_t kDirectionDepth = 32;
 
 struct AoCommand {
     fs::path scene, output, image, cache;
@@ -126,10 +126,11 @@ void choose_kind(AoCommand& command, const CLI::App& ao) {
     const bool known = kind == "maps" || (kind == "lines" && command.plan.lines->depth_bits != 0) ||
                        (kind == "directions" && command.plan.directions.back().depth_size != 0);
     if (!known)
-        throw Error(ExitCode::kUsage, "--max-distance and --bias ask for distances: " +
-                                          (kind == "lines" ? std::string("give --line-bits 4 or 8")
-                                                           : std::string("give --direction-depth 16")) +
-                                          ", or take --kind maps");
+        throw Error(ExitCode::kUsage,
+                    "--max-distance and --bias ask for distances: " +
+                        (kind == "lines" ? std::string("give --line-bits 4 or 8")
+                                         : std::string("give --direction-depth 16 or more")) +
+                        ", or take --kind maps");
 }
 
 void run(AoCommand& command) {

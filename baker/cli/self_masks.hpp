@@ -26,7 +26,7 @@ class SelfMasks {
     std::vector<std::uint32_t> of_instance(const glm::mat4& object_to_world,
                                            std::span<const glm::vec3> directions);
 
-    static constexpr std::uint32_t kObjectDirections = 1024;
+    static constexpr std::uint32_t kObjectDirections = 2048;
 
   private:
     std::vector<std::uint32_t> cast(std::span<const glm::vec3> directions) const;

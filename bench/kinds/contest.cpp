@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 
 #include "format/frame.hpp"
 
@@ -12,17 +13,16 @@ namespace dfield::kinds {
 namespace {
 
 constexpr double kHopeless = 1.3;
-constexpr std::size_t kReceiversAChunk = 4096;  // a million rays: prepared packets then take some 50 MB
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr std::size_t kManyParts = 64;  // with more, the mode is settled on so many of them
 
 }  // namespace
 
-std::vector<cli::PeerRay> Pairs::rays(const paper::Receivers& receivers, std::size_t begin, std::size_t end,
-                                      std::vector<std::uint32_t>& counts) const {
+std::vector<cli::PeerRay> Pairs::rays(const paper::Receivers& receivers, std::size_t begin,
+                                      std::size_t end) const {
     std::vector<cli::PeerRay> result;
     result.reserve((end - begin) * directions.size());
-    counts.clear();
     for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t before = result.size();
         const glm::vec3 &position = receivers.positions[i], &normal = receivers.normals[i];
         const Frame frame = frame_of_normal(normal);
         for (const glm::vec3& direction : directions) {
@@ -31,7 +31,6 @@ std::vector<cli::PeerRay> Pairs::rays(const paper::Receivers& receivers, std::si
             else if (glm::dot(normal, direction) > 0)
                 result.push_back({position, direction});
         }
-        counts.push_back(static_cast<std::uint32_t>(result.size() - before));
     }
     return result;
 }
@@ -88,49 +87,47 @@ double seconds_of(const std::function<void()>& run) {
 
 EmbreeContest::EmbreeContest(const EmbreeScene& scene, const paper::Receivers& receivers, const Pairs& pairs,
                              bool instanced)
-    : scene_(scene), receivers_(receivers), pairs_(pairs), seconds_(std::numeric_limits<double>::infinity()) {
-    for (const cli::EmbreeMode& mode : cli::embree_modes(instanced)) modes_.emplace_back(mode, seconds_);
-    if (receivers.size() > kReceiversAChunk) choose_by_first_chunk();
-    rays_ = 0;
-    time_mode(cli::embree_modes(true).front(), &visibility_);
+    : scene_(scene), receivers_(receivers), pairs_(pairs), seconds_(kNever) {
+    const std::size_t parts = (receivers.size() + kReceiversAPart - 1) / kReceiversAPart;
+    for (const cli::EmbreeMode& mode : cli::embree_modes(instanced))
+        modes_.push_back({mode, std::vector<double>(parts, kNever)});
+    Mode reference = modes_.front();
+    time_parts(reference, 1, &visibility_);
+    if (parts <= kManyParts) return;
+    for (int turn = 0; turn < 2; ++turn)
+        for (Mode& mode : modes_) time_parts(mode, parts / kManyParts);
+    const auto fastest = std::min_element(modes_.begin(), modes_.end(), [&](const Mode& a, const Mode& b) {
+        return a.seconds() < b.seconds();
+    });
+    modes_ = {{fastest->mode, std::vector<double>(parts, kNever)}};
 }
 
-double EmbreeContest::time_mode(const cli::EmbreeMode& mode, std::vector<float>* visibility) {
-    double seconds = 0;
-    std::vector<std::uint32_t> counts;
+double EmbreeContest::Mode::seconds() const {
+    // Parts that were not measured do not count: the others stand for them on all sides.
+    return std::accumulate(parts.begin(), parts.end(), 0.0,
+                           [](double sum, double part) { return std::isfinite(part) ? sum + part : sum; });
+}
+
+void EmbreeContest::time_parts(Mode& mode, std::size_t step, std::vector<float>* visibility) {
     std::vector<std::uint8_t> occluded;
-    for (std::size_t begin = 0; begin < receivers_.size(); begin += kReceiversAChunk) {
-        const std::size_t end = std::min(begin + kReceiversAChunk, receivers_.size());
-        const std::vector<cli::PeerRay> rays = pairs_.rays(receivers_, begin, end, counts);
-        seconds += cli::time_occluded(scene_, rays, mode, 1, 1, occluded);
+    for (std::size_t part = 0; part < mode.parts.size(); part += step) {
+        const std::size_t begin = part * kReceiversAPart,
+                          end = std::min(begin + kReceiversAPart, receivers_.size());
+        const std::vector<cli::PeerRay> rays = pairs_.rays(receivers_, begin, end);
+        mode.parts[part] =
+            std::min(mode.parts[part], cli::time_occluded(scene_, rays, mode.mode, 1, 1, occluded));
         if (!visibility) continue;
         rays_ += rays.size();
         pairs_.gather(receivers_, begin, end, occluded, *visibility);
     }
-    return seconds;
-}
-
-void EmbreeContest::choose_by_first_chunk() {
-    // From the middle: the edges of a ground see little.
-    const std::size_t begin = (receivers_.size() - kReceiversAChunk) / 2;
-    std::vector<std::uint32_t> counts;
-    std::vector<std::uint8_t> occluded;
-    const std::vector<cli::PeerRay> rays = pairs_.rays(receivers_, begin, begin + kReceiversAChunk, counts);
-    double best = std::numeric_limits<double>::infinity();
-    cli::EmbreeMode chosen = modes_.front().first;
-    for (const auto& [mode, unused] : modes_) {
-        const double seconds = cli::time_occluded(scene_, rays, mode, 1, 2, occluded);
-        if (seconds < best) best = seconds, chosen = mode;
-    }
-    modes_ = {{chosen, seconds_}};
 }
 
 void EmbreeContest::turn() {
     const double hopeless = kHopeless * seconds_;
-    for (auto& [mode, best] : modes_) {
-        if (std::isfinite(best) && best > hopeless) continue;
-        best = std::min(best, time_mode(mode, nullptr));
-        if (best < seconds_) seconds_ = best, mode_ = mode.name();
+    for (Mode& mode : modes_) {
+        if (std::isfinite(mode.parts.front()) && mode.seconds() > hopeless) continue;
+        time_parts(mode, 1);
+        if (mode.seconds() <= seconds_) seconds_ = mode.seconds(), mode_ = mode.mode.name();
     }
 }
 

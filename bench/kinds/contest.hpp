@@ -17,6 +17,7 @@
 namespace dfield::kinds {
 
 inline constexpr std::uint32_t kSharedDirections = 512;
+inline constexpr std::size_t kReceiversAPart = 128;
 
 // Pairs of a receiver and a direction that both sides answer: 256 cosine-weighted directions around each
 // normal, or the shared directions above the receiver's plane.
@@ -24,9 +25,9 @@ struct Pairs {
     dfield_sampling sampling = DFIELD_SAMPLING_HEMISPHERE;
     std::vector<glm::vec3> directions;
 
-    // Rays of receivers [begin, end) in their order, and how many each has.
-    std::vector<cli::PeerRay> rays(const paper::Receivers& receivers, std::size_t begin, std::size_t end,
-                                   std::vector<std::uint32_t>& counts) const;
+    // Rays of receivers [begin, end) in their order.
+    std::vector<cli::PeerRay> rays(const paper::Receivers& receivers, std::size_t begin,
+                                   std::size_t end) const;
     // Settings of the lookup. `kind` as in dfield_ao_desc.
     dfield_ao_desc desc(dfield_kind kind) const;
     // Visibility from what rays() of these receivers hit.
@@ -38,7 +39,9 @@ Pairs shared_pairs(const paper::Lab& lab);
 
 double seconds_of(const std::function<void()>& run);
 
-// Embree on all pairs of receivers and a scene, in chunks: any-hit queries over packets prepared beforehand.
+// Embree on all pairs of receivers and a scene: any-hit queries over packets prepared beforehand. Receivers
+// come in parts of about a millisecond, and the fastest turn of each part counts: what takes long must not
+// lose to what is short because other programs run in between.
 class EmbreeContest {
   public:
     // All kept by the caller. `instanced` as in cli::embree_modes.
@@ -46,7 +49,7 @@ class EmbreeContest {
                   bool instanced);
 
     // One turn of every mode that is still in the running: those far behind after the first do not come back.
-    // Scenes of instances settle the mode on the first chunk.
+    // With many receivers the mode is settled on some of them beforehand.
     void turn();
 
     double seconds() const { return seconds_; }
@@ -56,13 +59,18 @@ class EmbreeContest {
     const std::vector<float>& visibility() const { return visibility_; }
 
   private:
-    double time_mode(const cli::EmbreeMode& mode, std::vector<float>* visibility);
-    void choose_by_first_chunk();
+    struct Mode {
+        cli::EmbreeMode mode;
+        std::vector<double> parts;  // the fastest seconds of each
+        double seconds() const;
+    };
+    // One turn of every `step`-th part.
+    void time_parts(Mode& mode, std::size_t step, std::vector<float>* visibility = nullptr);
 
     const EmbreeScene& scene_;
     const paper::Receivers& receivers_;
     const Pairs& pairs_;
-    std::vector<std::pair<cli::EmbreeMode, double>> modes_;  // with their seconds
+    std::vector<Mode> modes_;
     double seconds_;
     std::string mode_;
     std::size_t rays_ = 0;

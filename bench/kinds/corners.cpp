@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 #include "bench/kinds/contest.hpp"
 #include "bench/kinds/distance_field.hpp"
@@ -55,37 +56,57 @@ class FieldContest {
 
 struct PeerContest {
     Row row;
-    std::function<std::vector<float>()> run;
+    std::function<std::vector<float>(const paper::Receivers&)> run;
+    std::vector<paper::Receivers> receivers;  // in parts, as Embree has them where it takes long
+    std::vector<double> seconds{};            // of each
     std::vector<float> visibility{};
 
     void turn() {
-        const double seconds = seconds_of([&] { visibility = run(); });
-        row.seconds = row.seconds > 0 ? std::min(row.seconds, seconds) : seconds;
+        seconds.resize(receivers.size(), std::numeric_limits<double>::infinity());
+        visibility.clear();
+        for (std::size_t part = 0; part < receivers.size(); ++part) {
+            std::vector<float> values;
+            seconds[part] = std::min(seconds[part], seconds_of([&] { values = run(receivers[part]); }));
+            visibility.insert(visibility.end(), values.begin(), values.end());
+        }
+        row.seconds = std::accumulate(seconds.begin(), seconds.end(), 0.0);
     }
 };
+
+std::vector<paper::Receivers> in_parts(const paper::Receivers& receivers) {
+    std::vector<paper::Receivers> parts;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        if (i % kReceiversAPart == 0) parts.emplace_back();
+        parts.back().positions.push_back(receivers.positions[i]);
+        parts.back().normals.push_back(receivers.normals[i]);
+    }
+    return parts;
+}
 
 void add_peers(const paper::Lab& lab, const TriangleMesh& mesh, const paper::Receivers& receivers,
                const Pairs& pairs, const std::vector<float>& reference, bool sweep,
                std::vector<PeerContest>& contests) {
     const auto add = [&](const char* kind, std::uint32_t size, const char* suffix, bool headline,
-                         std::uint64_t bytes, std::function<std::vector<float>()> run) {
+                         std::uint64_t bytes, bool whole,
+                         std::function<std::vector<float>(const paper::Receivers&)> run) {
         Row row;
         row.kind = kind;
         row.size = std::to_string(size) + "³" + suffix;
         row.headline = headline;
         row.peer = true;
         row.memory_bytes = bytes;
-        contests.push_back({std::move(row), std::move(run)});
+        contests.push_back({std::move(row), std::move(run),
+                            whole ? std::vector<paper::Receivers>{receivers} : in_parts(receivers)});
     };
     for (const std::uint32_t full : {16u, 24u, 32u, 64u}) {
         const bool headline = full == 32 || full == 64;
         if (!headline && !sweep) continue;
         const std::uint32_t size = lab.quick() ? full / 2 : full;
-        // With a sign and without: the better of both stands for the method.
+        // With a sign and without: the best stands for the method.
         std::shared_ptr<DistanceField> best;
         double least = std::numeric_limits<double>::infinity();
         const char* suffix = "";
-        for (const Inside inside : {Inside::kVotes, Inside::kNowhere}) {
+        for (const Inside inside : {Inside::kVotes, Inside::kNowhere, Inside::kNowhereThick}) {
             auto field = std::make_shared<DistanceField>(mesh, DistanceFieldParameters{size, inside});
             const double rms =
                 paper::errors_of(field->visibility(receivers, pairs.directions), reference).rms;
@@ -94,15 +115,17 @@ void add_peers(const paper::Lab& lab, const TriangleMesh& mesh, const paper::Rec
                 suffix = inside == Inside::kVotes ? "" : ", unsigned";
             }
         }
-        add("distance field", size, suffix, headline, best->memory_bytes(),
-            [best, &receivers, &pairs] { return best->visibility(receivers, pairs.directions); });
+        add("distance field", size, suffix, headline, best->memory_bytes(), false,
+            [best, &pairs](const paper::Receivers& part) {
+                return best->visibility(part, pairs.directions);
+            });
     }
     for (const std::uint32_t full : {16u, 24u, 32u, 40u}) {
         if (full != 32 && !sweep) continue;
         const std::uint32_t size = lab.quick() ? full / 4 : full;
         const auto grid = std::make_shared<OcclusionGrid>(mesh, OcclusionGridParameters{size});
-        add("grid of caps", size, "", full == 32, grid->memory_bytes(),
-            [grid, &receivers] { return grid->visibility(receivers); });
+        add("grid of caps", size, "", full == 32, grid->memory_bytes(), true,
+            [grid](const paper::Receivers& part) { return grid->visibility(part); });
     }
 }
 

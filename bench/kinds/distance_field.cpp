@@ -19,6 +19,7 @@ constexpr std::uint32_t kVotes = 32;
 constexpr float kRange = 0.2f;      // of the longest side: what lies farther is as far as this
 constexpr float kLeastStep = 0.5f;  // of a voxel
 constexpr float kSurface = 0.08f;   // of a voxel: how near a signed field's ray must come
+constexpr float kThick = 0.5f;
 constexpr float kThickness = 0.3f;  // of a voxel: the same without a sign
 
 // Ericson, "Real-Time Collision Detection", 5.1.5.
@@ -126,7 +127,9 @@ DistanceField::View DistanceField::view() const {
             1.0f / spacing_,
             2 * range_ / 255,
             -range_,
-            voxel * (inside_ == Inside::kVotes ? kSurface : kThickness),
+            voxel * (inside_ == Inside::kVotes     ? kSurface
+                     : inside_ == Inside::kNowhere ? kThickness
+                                                   : kThick),
             voxel * kLeastStep};
 }
 

@@ -17,7 +17,8 @@ namespace dfield::kinds {
 // field without a sign hits them where they are nearer than a third of a voxel.
 enum class Inside {
     kVotes,  // where most of some rays around a node meet the back of a surface first, as Unreal decides it
-    kNowhere
+    kNowhere,
+    kNowhereThick  // and half a voxel: the sheet between two nodes is that far from both
 };
 
 struct DistanceFieldParameters {

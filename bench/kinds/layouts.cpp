@@ -9,7 +9,7 @@
 namespace dfield::kinds {
 namespace {
 
-constexpr float kSpacing = 1.5f, kMargin = 1, kClearance = 0.02f, kOrbit = 0.4f;
+constexpr float kSpacing = 1.5f, kMargin = 1, kClearance = 0.1f, kOrbit = 0.4f;
 constexpr float kFramesAround = 120;
 
 // R2 sequence (Roberts 2018) and its relatives: even, and a function of the index alone.

@@ -18,6 +18,7 @@ struct Placement {
 };
 
 // Objects are scaled so that the longest side of their box is 1; up is +y, the ground is y = 0 and faces up.
+// The lowest corner of a box is a tenth above it, as in the paper's corner.
 
 // A square of objects, each turned in its own way about all axes and just above the ground, and in another
 // way in every frame. The neighbours' centres are 1.5 apart.

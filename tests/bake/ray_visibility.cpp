@@ -78,3 +78,34 @@ TEST_CASE("Self-visibility: convex is open, a box's inside is closed") {
     for (const glm::vec3& p : inside.positions) inside.normals.push_back(glm::normalize(glm::vec3(0.5f) - p));
     for (const float value : self_visibility(inside, 256, 0)) REQUIRE(value < 0.02f);
 }
+
+TEST_CASE("Shared directions: weight by the cosine, masks of those that the receiver faces") {
+    EmbreeScene scene(EmbreeUse::kFast);
+    scene.add_mesh(test::box_mesh({-100, -100, 2}, {100, 100, 3}));  // a ceiling 2 above
+    scene.commit();
+    const std::vector<glm::vec3> positions(3, glm::vec3(0)), normals{{0, 0, 1}, {1, 0, 0}, {0, 0, -1}};
+    const std::vector<glm::vec3> directions{{0, 0, 1}, {1, 0, 0}, {0.6f, 0, 0.8f}, {0, 0, -1}};
+    RayVisibilityOptions options;
+    options.directions = directions;
+    options.shared = true;
+    const auto visibility = [&] { return ray_visibility(scene, positions, normals, options); };
+    const auto masks = [&] { return ray_masks(scene, positions, normals, options); };
+    CHECK(masks() == std::vector<std::uint32_t>{0b0101, 0b0100, 0});
+    CHECK(visibility()[0] == 0);
+    CHECK(visibility()[1] == Approx(1 - 0.6 / 1.6));
+    CHECK(visibility()[2] == 1);
+    options.max_distance = 2.2f;  // the slanted ray meets the ceiling at 2.5
+    CHECK(masks() == std::vector<std::uint32_t>{0b0001, 0, 0});
+    CHECK(visibility()[0] == Approx(1 - 1 / 1.8));
+    const std::vector<float> ground{0, 0, 1, -1};  // below z = -1
+    options.ground = ground;
+    CHECK(masks() == std::vector<std::uint32_t>{0b0001, 0, 0b1000});
+    CHECK(visibility()[2] == 0);
+
+    // 33 directions take two words; rays around the normal have masks too.
+    const std::vector<glm::vec3> many = cosine_directions(33);
+    RayVisibilityOptions around;
+    around.directions = many;
+    CHECK(ray_masks(scene, {positions.data(), 1}, {normals.data(), 1}, around) ==
+          std::vector<std::uint32_t>{0xffffffff, 1});
+}

@@ -58,7 +58,7 @@ TEST_CASE("A sphere traced distance field sees what ray casting sees, and finer 
 TEST_CASE("A distance field without a sign sees an open sheet") {
     const Corner corner(sheet());
     const double none = corner.rms(std::vector<float>(corner.receivers.size(), 1.0f));
-    CHECK(corner.rms(64, kinds::Inside::kNowhere) < 0.25 * none);
+    CHECK(corner.rms(64, kinds::Inside::kNowhereThick) < 0.25 * none);
 }
 
 TEST_CASE("A distance field takes a byte a node") {

@@ -77,8 +77,9 @@ struct Fields {
 
 constexpr std::size_t kReceivers = 4;
 
-void edit(Input& input, Scene& scene, const Fields& shared, std::vector<dfield_instance>& ids) {
-    const Field& field = shared.fields[input.byte() % shared.fields.size()];
+void edit(Input& input, Scene& scene, const Fields& shared, std::size_t field_count,
+          std::vector<dfield_instance>& ids) {
+    const Field& field = shared.fields[input.byte() % field_count];
     const std::uint8_t which = input.byte() % 8;
     dfield_instance id = ids.empty() ? 0 : ids[input.byte() % ids.size()];
     const std::array<float, 16> m = input.transform();
@@ -128,7 +129,10 @@ struct Answers {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const Fields shared;
     Input input(data, size);
-    const Ao& ao = shared.settings[input.byte() % shared.settings.size()];
+    const std::size_t which = input.byte() % shared.settings.size();
+    const Ao& ao = shared.settings[which];
+    // Shared directions with a falloff do not mix fields of several kinds.
+    const std::size_t field_count = which == 3 ? 1 : shared.fields.size();
     Scene scene(shared.context);
     std::vector<dfield_instance> ids;
     std::array<float, 3 * kReceivers> positions, normals;
@@ -143,7 +147,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     receivers.owners = owners.data();
     ReceiverSet set(shared.context, ao, receivers, attached.data());
     for (int round = 0; round < 3 && !input.empty(); ++round) {
-        for (int k = 0; k < 3; ++k) edit(input, scene, shared, ids);
+        for (int k = 0; k < 3; ++k) edit(input, scene, shared, field_count, ids);
         const Snapshot snapshot = scene.commit();
 
         Answers answers, of_scene;

@@ -13,11 +13,19 @@
 namespace dfield::runtime {
 namespace {
 
+// Their buffers are never needed together: inlined into one function they would add up on the stack.
+#if defined(__GNUC__)
+#define DFIELD_OWN_FRAME [[gnu::noinline]]
+#else
+#define DFIELD_OWN_FRAME
+#endif
+
 constexpr std::size_t kChunkReceivers = kChunkBlocks * kLanes;
 
 // Calls consume(slab, masks) for each slab of directions, with what instances and ground block.
 template<class Consume>
-void for_slabs(const SceneState& scene, const dfield_ao& ao, const Chunk& chunk, const Consume& consume) {
+DFIELD_OWN_FRAME void for_slabs(const SceneState& scene, const dfield_ao& ao, const Chunk& chunk,
+                                const Consume& consume) {
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
     ChunkMasks masks;
     ChunkFacing facing;
@@ -37,8 +45,8 @@ void for_slabs(const SceneState& scene, const dfield_ao& ao, const Chunk& chunk,
 
 // The same where distances count: consume(slab, occlusion), for a chunk of at most kDistanceBlocks.
 template<class Consume>
-void for_distance_slabs(const SceneState& scene, const DistanceRule& rule, const Chunk& chunk,
-                        const Consume& consume) {
+DFIELD_OWN_FRAME void for_distance_slabs(const SceneState& scene, const DistanceRule& rule,
+                                         const Chunk& chunk, const Consume& consume) {
     const dfield_ao& ao = rule.ao;
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
     ChunkOcclusion occlusion;
@@ -50,21 +58,23 @@ void for_distance_slabs(const SceneState& scene, const DistanceRule& rule, const
         kernels.find_facing(chunk, slab, facing);
         if (scene.ground) add_ground_distances(*scene.ground, rule, slab, chunk, occlusion);
         for (const dfield_instance id : scene.active)
-            add_caster_distances(kernels, direction_caster(ao, scene.instances[id], id), rule, slab, chunk, facing, masks,
-                                 occlusion);
+            add_caster_distances(kernels, direction_caster(ao, scene.instances[id], id), rule, slab, chunk,
+                                 facing, masks, occlusion);
         consume(slab, occlusion);
     }
 }
 
-// Calls answer(first, count, chunk, lane_of) for chunks of the receivers, of about equal size and at most `blocks`.
+// Calls answer(first, count, chunk, lane_of) for chunks of the receivers, of about equal size and at most
+// `blocks`.
 template<class Answer>
-void for_chunks(const dfield_receivers& receivers, std::size_t blocks, const Answer& answer) {
+void for_chunks(const BatchKernels& kernels, const dfield_receivers& receivers, std::size_t blocks,
+                const Answer& answer) {
     const std::size_t largest = blocks * kLanes, chunks = (receivers.count + largest - 1) / largest;
     Chunk chunk;
     LaneOfReceiver lane_of;
     for (std::size_t c = 0; c < chunks; ++c) {
         const std::size_t begin = receivers.count * c / chunks, end = receivers.count * (c + 1) / chunks;
-        build_chunk(receivers, begin, end, chunk, lane_of);
+        build_chunk(kernels, receivers, begin, end, chunk, lane_of);
         answer(begin, end - begin, chunk, lane_of);
     }
 }
@@ -131,7 +141,7 @@ void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, Chunk
 void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
                       const Strided<float>& visibility) {
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
-    for_chunks(receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
+    for_chunks(kernels, receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
                [&](std::size_t begin, std::size_t count, const Chunk& chunk, const LaneOfReceiver& lane_of) {
                    alignas(64) std::array<float, kChunkReceivers> values;
                    std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
@@ -140,9 +150,10 @@ void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield
                            kernels.add_occluded(slab, chunk, masks, values.data());
                        });
                    else
-                       for_distance_slabs(scene, {ao, false}, chunk, [&](const Slab& slab, const ChunkOcclusion& occlusion) {
-                           add_occlusion(slab, chunk, occlusion, values.data());
-                       });
+                       for_distance_slabs(scene, {ao, false}, chunk,
+                                          [&](const Slab& slab, const ChunkOcclusion& occlusion) {
+                                              add_occlusion(slab, chunk, occlusion, values.data());
+                                          });
                    kernels.finish_visibility(ao.shared, chunk, values.data());
                    for (std::size_t i = 0; i < count; ++i)
                        *visibility.at(begin + i) = lane_of[i] != kLeftOut ? values[lane_of[i]] : 1.0f;
@@ -151,32 +162,35 @@ void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield
 
 void batch_masks(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
                  const Strided<std::uint32_t>& masks) {
-    for_chunks(receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
-               [&](std::size_t begin, std::size_t count, const Chunk& chunk, const LaneOfReceiver& lane_of) {
-                   std::array<std::uint32_t, kChunkReceivers> receiver_of;  // by lane
-                   for (std::size_t i = 0; i < count; ++i) {
-                       std::fill_n(masks.at(begin + i), ao.mask_words(), 0u);
-                       if (lane_of[i] != kLeftOut) receiver_of[lane_of[i]] = static_cast<std::uint32_t>(begin + i);
-                   }
-                   const auto mark = [&](std::size_t lane, std::uint32_t ray) {
-                       masks.at(receiver_of[lane])[ray >> 5] |= 1u << (ray & 31);
-                   };
-                   if (ao.any_hit())
-                       for_slabs(scene, ao, chunk, [&](const Slab& slab, const ChunkMasks& blocked) {
-                           for (std::size_t k = 0; k < slab.count; ++k)
-                               for (std::size_t b = 0; b < chunk.blocks; ++b)
-                                   for (std::uint32_t bits = blocked.rows[k][b] & chunk.lanes[b]; bits != 0;
-                                        bits &= bits - 1)
-                                       mark_facing(slab, chunk, k, b * kLanes + std::countr_zero(bits), mark);
-                       });
-                   else
-                       for_distance_slabs(scene, {ao, true}, chunk, [&](const Slab& slab, const ChunkOcclusion& occlusion) {
-                           for (std::size_t k = 0; k < slab.count; ++k)
-                               for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
-                                   if (occlusion.rows[k][i] != 0 && (chunk.lanes[i / kLanes] >> i % kLanes & 1))
-                                       mark_facing(slab, chunk, k, i, mark);
-                       });
-               });
+    const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
+    for_chunks(
+        kernels, receivers, ao.any_hit() ? kChunkBlocks : kDistanceBlocks,
+        [&](std::size_t begin, std::size_t count, const Chunk& chunk, const LaneOfReceiver& lane_of) {
+            std::array<std::uint32_t, kChunkReceivers> receiver_of;  // by lane
+            for (std::size_t i = 0; i < count; ++i) {
+                std::fill_n(masks.at(begin + i), ao.mask_words(), 0u);
+                if (lane_of[i] != kLeftOut) receiver_of[lane_of[i]] = static_cast<std::uint32_t>(begin + i);
+            }
+            const auto mark = [&](std::size_t lane, std::uint32_t ray) {
+                masks.at(receiver_of[lane])[ray >> 5] |= 1u << (ray & 31);
+            };
+            if (ao.any_hit())
+                for_slabs(scene, ao, chunk, [&](const Slab& slab, const ChunkMasks& blocked) {
+                    for (std::size_t k = 0; k < slab.count; ++k)
+                        for (std::size_t b = 0; b < chunk.blocks; ++b)
+                            for (std::uint32_t bits = blocked.rows[k][b] & chunk.lanes[b]; bits != 0;
+                                 bits &= bits - 1)
+                                mark_facing(slab, chunk, k, b * kLanes + std::countr_zero(bits), mark);
+                });
+            else
+                for_distance_slabs(
+                    scene, {ao, true}, chunk, [&](const Slab& slab, const ChunkOcclusion& occlusion) {
+                        for (std::size_t k = 0; k < slab.count; ++k)
+                            for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
+                                if (occlusion.rows[k][i] != 0 && (chunk.lanes[i / kLanes] >> i % kLanes & 1))
+                                    mark_facing(slab, chunk, k, i, mark);
+                    });
+        });
 }
 
 }  // namespace dfield::runtime

@@ -1,10 +1,11 @@
 // Many receivers against many instances at once, for shared directions and fields with direction maps.
 //
 // What batch_visibility() and batch_masks() are made of, for who keeps chunks and masks from frame to frame:
-// build_chunk(), BatchKernels::find_facing for each slab of directions, then BatchKernels::add_caster for each
-// instance, which Ors pairs into masks. A pair's bit depends on nothing but receiver, direction and instance: not on
-// the chunk, nor on the other instances. So the pairs that an instance blocks can be found by asking it alone with
-// empty masks, and pairs whose bit is 1 already ("closed") are not looked at where all of a block's are.
+// build_chunk(), BatchKernels::find_facing for each slab of directions, then BatchKernels::add_caster for
+// each instance, which Ors pairs into masks. A pair's bit depends on nothing but receiver, direction and
+// instance: not on the chunk, nor on the other instances. So the pairs that an instance blocks can be found
+// by asking it alone with empty masks, and pairs whose bit is 1 already ("closed") are not looked at where
+// all of a block's are.
 #pragma once
 
 #include <cstdint>

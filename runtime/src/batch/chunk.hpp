@@ -18,9 +18,9 @@
 
 namespace dfield::runtime {
 
-inline constexpr std::size_t kLanes = 16;        // receivers in a block
+inline constexpr std::size_t kLanes = 16;         // receivers in a block
 inline constexpr std::size_t kChunkBlocks = 128;  // blocks in a chunk; a multiple of kLanes
-inline constexpr std::size_t kSlab = 512;        // directions at a time
+inline constexpr std::size_t kSlab = 512;         // directions at a time
 
 // Receivers of a chunk. Lanes without a receiver repeat one; blocks beyond `blocks`, up to a multiple of
 // kLanes, have boxes that nothing meets.
@@ -28,7 +28,8 @@ struct Chunk {
     std::size_t blocks = 0;
     alignas(64) std::array<float, kChunkBlocks * kLanes> x, y, z;     // world
     alignas(64) std::array<float, kChunkBlocks * kLanes> nx, ny, nz;  // unit normals, world
-    alignas(64) std::array<float, kChunkBlocks> centre_x, centre_y, centre_z, half_x, half_y, half_z;  // boxes
+    alignas(64) std::array<float, kChunkBlocks> centre_x, centre_y, centre_z, half_x, half_y,
+        half_z;  // boxes
     // Normals of a block lie within a cone: n.axis >= cosine.
     alignas(64) std::array<float, kChunkBlocks> axis_x, axis_y, axis_z, sine;
     alignas(64) std::array<std::uint16_t, kChunkBlocks> lanes;  // bits of the lanes that hold a receiver
@@ -69,20 +70,22 @@ struct DirectionCaster {
     const DirectionMaps& maps;
     glm::vec3 centre;  // of the bounding sphere, world
     float reach;       // world: where a line that hits crosses its pivot plane lies within it of `centre`
-    float bias;   // world: hits nearer than this do not count, unless the object lies in front of the receiver
+    float bias;  // world: hits nearer than this do not count, unless the object lies in front of the receiver
     dfield_instance id;
-    // All levels of detail, coarse first, of which `maps` is the finest; empty where it is the only one to read.
+    // All levels of detail, coarse first, of which `maps` is the finest; empty where it is the only one to
+    // read.
     std::span<const DirectionMaps> levels = {};
     const float* disagreements = nullptr;  // of each level: field_levels.hpp
     float level_error = 0;
-    // Receivers that read `maps`: those whose squared distance from the bounding sphere's centre, in radii, lies
-    // within [from, to).
+    // Receivers that read `maps`: those whose squared distance from the bounding sphere's centre, in radii,
+    // lies within [from, to).
     float from = 0, to = std::numeric_limits<float>::infinity();
 };
 
-// Calls look_up(caster) for each level of detail with the receivers that read it. A level whose lines disagree with
-// the finest one's in a share p errs by at most p / D^2 at distance D (in radii): the sphere's cosine-weighted share of
-// the hemisphere is at most 1 / D^2. A receiver reads the coarsest level for which that is at most level_error.
+// Calls look_up(caster) for each level of detail with the receivers that read it. A level whose lines
+// disagree with the finest one's in a share p errs by at most p / D^2 at distance D (in radii): the sphere's
+// cosine-weighted share of the hemisphere is at most 1 / D^2. A receiver reads the coarsest level for which
+// that is at most level_error.
 template<class LookUp>
 void for_levels(const DirectionCaster& caster, const LookUp& look_up) {
     if (caster.levels.empty()) return look_up(caster);
@@ -91,14 +94,27 @@ void for_levels(const DirectionCaster& caster, const LookUp& look_up) {
         const bool finest = level + 1 == caster.levels.size();
         const float from = finest ? 0 : std::min(caster.disagreements[level] / caster.level_error, to);
         if (from < to)
-            look_up(DirectionCaster{caster.instance, caster.levels[level], caster.centre, caster.reach, caster.bias,
-                                    caster.id, {}, nullptr, 0, from, to});
+            look_up(DirectionCaster{caster.instance,
+                                    caster.levels[level],
+                                    caster.centre,
+                                    caster.reach,
+                                    caster.bias,
+                                    caster.id,
+                                    {},
+                                    nullptr,
+                                    0,
+                                    from,
+                                    to});
         to = from;
     }
 }
 
 // The kernels, one form a level of SIMD; reference.cpp has the one that reads like the method.
+struct Loaded;
 struct BatchKernels {
+    // Packed receivers into loaded.count places: all but its cells.
+    void (*load_packed)(const float* positions, const float* normals, Loaded& loaded);
+    void (*find_cells)(Loaded& loaded);
     // Which blocks face which directions.
     void (*find_facing)(const Chunk& chunk, const Slab& slab, ChunkFacing& facing);
     // Ors into the masks the pairs that the caster blocks.

@@ -8,12 +8,12 @@
 
 namespace dfield::runtime {
 
-// Fills the chunk with receivers [begin, end), at most kChunkBlocks * kLanes; those with an unusable position or
-// normal are left out. lane_of[i - begin] says where receiver i went: block * kLanes + lane, or kLeftOut.
+// Fills the chunk with receivers [begin, end), at most kChunkBlocks * kLanes; those with an unusable position
+// or normal are left out. lane_of[i - begin] says where receiver i went: block * kLanes + lane, or kLeftOut.
 inline constexpr std::uint16_t kLeftOut = 0xffff;
 using LaneOfReceiver = std::array<std::uint16_t, kChunkBlocks * kLanes>;
-void build_chunk(const dfield_receivers& receivers, std::size_t begin, std::size_t end, Chunk& chunk,
-                 LaneOfReceiver& lane_of);
+void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers, std::size_t begin,
+                 std::size_t end, Chunk& chunk, LaneOfReceiver& lane_of);
 
 // Boxes and normal cones of the blocks, from their lanes; lanes without a receiver repeat one that is.
 void finish_chunk(Chunk& chunk);

@@ -1,5 +1,5 @@
-// Where one bit does not decide: receivers whose tangent plane cuts the object, where a hit on the line may lie
-// behind; and what says that a receiver cannot be blocked at all.
+// Where one bit does not decide: receivers whose tangent plane cuts the object, where a hit on the line may
+// lie behind; and what says that a receiver cannot be blocked at all.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,9 @@ struct MapPlace {
     glm::vec3 direction;  // the stored one, unit space
 };
 
-// The nearest and the farthest hit of a line that hits, as distances from the receiver in units of `ray`, negative
-// behind it. Without depth maps the object is taken for one lump, where the ray passes the middle of its box.
+// The nearest and the farthest hit of a line that hits, as distances from the receiver in units of `ray`,
+// negative behind it. Without depth maps the object is taken for one lump, where the ray passes the middle of
+// its box.
 struct HitSpan {
     float nearest, farthest;
 };

@@ -19,8 +19,8 @@ class DirectionLookup {
         const NearestDirection nearest = nearest_direction(maps.parameters.subdivision, unit);
         index_ = nearest.index;
         const glm::vec3 k = nearest.flipped ? -unit : unit;
-        const DirectionFrame f = unpack_direction_frame(maps.frames[index_],
-                                                        stored_direction(maps.parameters.subdivision, index_));
+        const DirectionFrame f = unpack_direction_frame(
+            maps.frames[index_], stored_direction(maps.parameters.subdivision, index_));
         const glm::vec3 local(glm::dot(k, f.axis_u), glm::dot(k, f.axis_v), glm::dot(k, f.direction));
         const float approach = local.z - f.slope_u * local.x - f.slope_v * local.y;
         const glm::vec3 gradient = (f.slope_u * f.axis_u + f.slope_v * f.axis_v - f.direction) / approach;

@@ -19,8 +19,9 @@ glm::vec3 direction_of(const Slab& slab, std::size_t k) {
     return {slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]};
 }
 
-// Distance of the hit that counts, negative for none. Where the object lies in front of the receiver's tangent plane
-// that is the nearest one. Where the plane cuts it the nearest may lie behind: then the farthest, an upper bound.
+// Distance of the hit that counts, negative for none. Where the object lies in front of the receiver's
+// tangent plane that is the nearest one. Where the plane cuts it the nearest may lie behind: then the
+// farthest, an upper bound.
 float counting_distance(const HitSpan& span, bool cut, float bias) {
     if (!cut) return std::max(span.nearest, 0.0f);
     if (span.nearest >= bias) return span.nearest;
@@ -45,16 +46,18 @@ void add_ground_distances(const Plane& ground, const DistanceRule& rule, const S
 namespace {
 
 void add_level_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
-                          const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
-                          ChunkOcclusion& occlusion) {
+                         const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
+                         ChunkOcclusion& occlusion) {
     // Everything out of reach occludes nothing.
-    const glm::vec3 outside = glm::max(glm::max(chunk.low - caster.centre, caster.centre - chunk.high), glm::vec3(0));
+    const glm::vec3 outside =
+        glm::max(glm::max(chunk.low - caster.centre, caster.centre - chunk.high), glm::vec3(0));
     if (glm::length(outside) > caster.reach + rule.ao.max_distance) return;
     masks.clear(chunk, slab.count);
     kernels.add_caster(caster, slab, chunk, facing, masks);
     for (std::size_t k = 0; k < slab.count; ++k) {
         const auto& row = masks.rows[k];
-        if (std::all_of(row.begin(), row.begin() + chunk.blocks, [](std::uint16_t bits) { return bits == 0; }))
+        if (std::all_of(row.begin(), row.begin() + chunk.blocks,
+                        [](std::uint16_t bits) { return bits == 0; }))
             continue;
         const glm::vec3 ray = direction_of(slab, k);
         const DirectionLookup lookup(caster.maps, caster.instance, ray);
@@ -76,9 +79,9 @@ void add_level_distances(const BatchKernels& kernels, const DirectionCaster& cas
 
 }  // namespace
 
-void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
-                          const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
-                          ChunkOcclusion& occlusion) {
+void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster,
+                          const DistanceRule& rule, const Slab& slab, const Chunk& chunk,
+                          const ChunkFacing& facing, ChunkMasks& masks, ChunkOcclusion& occlusion) {
     for_levels(caster, [&](const DirectionCaster& level) {
         add_level_distances(kernels, level, rule, slab, chunk, facing, masks, occlusion);
     });

@@ -1,5 +1,5 @@
-// Batches where it matters how far a hit is: bounded distances and falloff. The any-hit kernels find the pairs, the
-// depth maps say how far.
+// Batches where it matters how far a hit is: bounded distances and falloff. The any-hit kernels find the
+// pairs, the depth maps say how far.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace dfield::runtime {
 // Blocks at a time: a byte a pair fits where masks have a bit.
 inline constexpr std::size_t kDistanceBlocks = 16;
 
-// Of each direction of a slab and each receiver of a chunk of at most kDistanceBlocks: the occlusion, times 255,
-// rounded; of several casters the largest, since none gives more than its nearest hit.
+// Of each direction of a slab and each receiver of a chunk of at most kDistanceBlocks: the occlusion, times
+// 255, rounded; of several casters the largest, since none gives more than its nearest hit.
 struct ChunkOcclusion {
     std::array<std::array<std::uint8_t, kDistanceBlocks * kLanes>, kSlab> rows;
 };
@@ -33,9 +33,9 @@ void add_ground_distances(const Plane& ground, const DistanceRule& rule, const S
                           ChunkOcclusion& occlusion);
 
 // `masks` is working memory.
-void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
-                          const Slab& slab, const Chunk& chunk, const ChunkFacing& facing, ChunkMasks& masks,
-                          ChunkOcclusion& occlusion);
+void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster,
+                          const DistanceRule& rule, const Slab& slab, const Chunk& chunk,
+                          const ChunkFacing& facing, ChunkMasks& masks, ChunkOcclusion& occlusion);
 
 // Adds weight * max(0, n.w) * occlusion of all pairs to occluded[receiver].
 void add_occlusion(const Slab& slab, const Chunk& chunk, const ChunkOcclusion& occlusion, float* occluded);

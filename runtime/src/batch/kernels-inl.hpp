@@ -37,11 +37,11 @@ inline void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facin
         std::uint32_t any = 0;
         for (std::size_t b = 0; b < chunk.blocks; b += 16) {
             const std::uint32_t bits = for_sixteen(d, [&](std::size_t i) HWY_ATTR {
-                const V cosine = hn::MulAdd(
-                    x, hn::Load(d, &chunk.axis_x[b + i]),
-                    hn::MulAdd(y, hn::Load(d, &chunk.axis_y[b + i]), hn::Mul(z, hn::Load(d, &chunk.axis_z[b + i]))));
-                return mask_bits(d, hn::Gt(hn::Add(cosine, hn::Load(d, &chunk.sine[b + i])),
-                                           hn::Set(d, -kMargin)));
+                const V cosine = hn::MulAdd(x, hn::Load(d, &chunk.axis_x[b + i]),
+                                            hn::MulAdd(y, hn::Load(d, &chunk.axis_y[b + i]),
+                                                       hn::Mul(z, hn::Load(d, &chunk.axis_z[b + i]))));
+                return mask_bits(
+                    d, hn::Gt(hn::Add(cosine, hn::Load(d, &chunk.sine[b + i])), hn::Set(d, -kMargin)));
             });
             facing.rows[k][b / 16] = static_cast<std::uint16_t>(bits);
             any |= bits;
@@ -103,13 +103,15 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
     for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
         const std::size_t at = block * kLanes + i;
         const V x = hn::Load(d, &chunk.x[at]), y = hn::Load(d, &chunk.y[at]), z = hn::Load(d, &chunk.z[at]);
-        const V nx = hn::Load(d, &chunk.nx[at]), ny = hn::Load(d, &chunk.ny[at]), nz = hn::Load(d, &chunk.nz[at]);
+        const V nx = hn::Load(d, &chunk.nx[at]), ny = hn::Load(d, &chunk.ny[at]),
+                nz = hn::Load(d, &chunk.nz[at]);
         const V zero = hn::Zero(d);
         V beside = hn::Set(d, -1e30f);
         V distance = hn::Zero(d);  // squared, from the centre
         V square = hn::Zero(d), at_origin = hn::Zero(d), height = hn::Zero(d), extent = hn::Zero(d);
         for (int axis = 0; axis < 3; ++axis) {
-            const glm::vec3 row(instance.to_unit[0][axis], instance.to_unit[1][axis], instance.to_unit[2][axis]);
+            const glm::vec3 row(instance.to_unit[0][axis], instance.to_unit[1][axis],
+                                instance.to_unit[2][axis]);
             const V origin = hn::Add(dot3(row, x, y, z), hn::Set(d, instance.unit_offset[axis]));
             const V n = dot3(instance.to_world[axis], nx, ny, nz);
             const V away = hn::Sub(hn::Set(d, instance.box_centre[axis]), origin);
@@ -120,13 +122,15 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
             height = hn::MulAdd(n, away, height);
             extent = hn::MulAdd(hn::Abs(n), half, extent);
             const V contact = hn::Set(d, LeavingBox::kContact * instance.box_half[axis]);
-            sides.beside[axis][0] |= static_cast<std::uint16_t>(mask_bits(d, hn::Le(hn::Add(away, contact), zero)) << i);
+            sides.beside[axis][0] |=
+                static_cast<std::uint16_t>(mask_bits(d, hn::Le(hn::Add(away, contact), zero)) << i);
             sides.beside[axis][1] |= static_cast<std::uint16_t>(mask_bits(d, hn::Ge(away, contact)) << i);
             beside = hn::Max(beside, hn::Sub(hn::Abs(away), half));
         }
         near_box |= mask_bits(d, hn::Lt(beside, hn::Set(d, kNearBox))) << i;
         behind |= mask_bits(d, hn::Not(hn::And(hn::Ge(distance, hn::Set(d, caster.from)),
-                                               hn::Lt(distance, hn::Set(d, caster.to))))) << i;
+                                               hn::Lt(distance, hn::Set(d, caster.to)))))
+                  << i;
         const V length = hn::Sqrt(square);
         behind |= mask_bits(d, hn::Or(hn::Le(hn::Add(height, extent), zero), hn::Le(length, at_origin))) << i;
         const V contact = hn::Mul(hn::Set(d, -kContactTolerance), length);
@@ -184,14 +188,17 @@ struct Coordinate {
     V x, y, z, constant;
 
     HWY_INLINE Coordinate(F d, const std::array<PreparedDirections::Row, 4>& row, std::size_t k)
-        : x(hn::Set(d, row[0][k])), y(hn::Set(d, row[1][k])), z(hn::Set(d, row[2][k])), constant(hn::Set(d, row[3][k])) {}
+        : x(hn::Set(d, row[0][k])),
+          y(hn::Set(d, row[1][k])),
+          z(hn::Set(d, row[2][k])),
+          constant(hn::Set(d, row[3][k])) {}
     HWY_INLINE V at(V px, V py, V pz) const {
         return hn::MulAdd(x, px, hn::MulAdd(y, py, hn::MulAdd(z, pz, constant)));
     }
 };
 
-// Which of 16 blocks, from `first` on, have a box that a direction's map can meet. Conservative: what rounding
-// could add to a receiver's texel coordinates is less than the margin.
+// Which of 16 blocks, from `first` on, have a box that a direction's map can meet. Conservative: what
+// rounding could add to a receiver's texel coordinates is less than the margin.
 HWY_INLINE std::uint32_t blocks_on_map(F d, const Chunk& chunk, std::size_t first, const Coordinate& u,
                                        const Coordinate& v, V map_size) {
     return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
@@ -202,10 +209,11 @@ HWY_INLINE std::uint32_t blocks_on_map(F d, const Chunk& chunk, std::size_t firs
                 half_z = hn::Load(d, &chunk.half_z[b]);
         const auto inside = [&](const Coordinate& c) HWY_ATTR {
             const V middle = c.at(x, y, z);
-            const V extent = hn::MulAdd(hn::Abs(c.x), half_x,
-                                        hn::MulAdd(hn::Abs(c.y), half_y,
-                                                   hn::MulAdd(hn::Abs(c.z), half_z, hn::Set(d, kTexelMargin))));
-            return hn::And(hn::Ge(hn::Add(middle, extent), hn::Zero(d)), hn::Le(hn::Sub(middle, extent), map_size));
+            const V extent = hn::MulAdd(
+                hn::Abs(c.x), half_x,
+                hn::MulAdd(hn::Abs(c.y), half_y, hn::MulAdd(hn::Abs(c.z), half_z, hn::Set(d, kTexelMargin))));
+            return hn::And(hn::Ge(hn::Add(middle, extent), hn::Zero(d)),
+                           hn::Le(hn::Sub(middle, extent), map_size));
         };
         return mask_bits(d, hn::And(inside(u), inside(v)));
     });
@@ -217,7 +225,8 @@ struct ChunkSides {
     std::array<std::uint16_t, kChunkBlocks / 16> known{};  // of these `blocks` and `plain` are set
     std::array<std::uint16_t, kChunkBlocks / 16> plain{};  // all lanes active, none cut, none near the box
 
-    HWY_INLINE void find(const DirectionCaster& caster, const Chunk& chunk, std::size_t group, std::uint32_t missing) {
+    HWY_INLINE void find(const DirectionCaster& caster, const Chunk& chunk, std::size_t group,
+                         std::uint32_t missing) {
         for (; missing != 0; missing &= missing - 1) {
             const int place = std::countr_zero(missing);
             const BlockSides& side = blocks[group + place] = sides_of_block(caster, chunk, group + place);
@@ -247,8 +256,8 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
         std::uint32_t directions = directions_on_box(prepared, first, middle, half, kMapSize);
         for (; directions != 0; directions &= directions - 1) {
             const std::size_t k = first + std::countr_zero(directions), at = slab.first + k;
-            const MapRegisters<kSize> map(d, caster.maps.texels.data() +
-                                                 std::size_t{prepared.index[k]} * direction_map_words(kSize));
+            const MapRegisters<kSize> map(
+                d, caster.maps.texels.data() + std::size_t{prepared.index[k]} * direction_map_words(kSize));
             const Coordinate u(d, prepared.u, k), v(d, prepared.v, k);
             auto& row = masks.rows[k];
             const auto look_up = [&](std::size_t b) HWY_ATTR {
@@ -290,8 +299,8 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
     }
 }
 
-inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& facing,
-                      ChunkMasks& masks) {
+inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
+                      const ChunkFacing& facing, ChunkMasks& masks) {
     switch (caster.maps.parameters.map_size) {
         case 16:
             return add_caster_sized<16>(caster, slab, chunk, facing, masks);
@@ -321,9 +330,9 @@ inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks&
                 const std::uint32_t bits = masks.rows[k][b];
                 for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
                     const std::size_t lane = b * kLanes + i;
-                    const V cosine = hn::MulAdd(
-                        x, hn::Load(d, &chunk.nx[lane]),
-                        hn::MulAdd(y, hn::Load(d, &chunk.ny[lane]), hn::Mul(z, hn::Load(d, &chunk.nz[lane]))));
+                    const V cosine = hn::MulAdd(x, hn::Load(d, &chunk.nx[lane]),
+                                                hn::MulAdd(y, hn::Load(d, &chunk.ny[lane]),
+                                                           hn::Mul(z, hn::Load(d, &chunk.nz[lane]))));
                     const V share = hn::Mul(weight, hn::Max(cosine, hn::Zero(d)));
                     hn::Store(hn::Add(hn::Load(d, occluded + lane), keep_bits(d, bits >> i, share)), d,
                               occluded + lane);
@@ -338,22 +347,24 @@ inline void finish_visibility(const SharedDirections& shared, const Chunk& chunk
     constexpr int kSize = SharedDirections::kTotalsSize;
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), scale = hn::Set(d, 0.5f * kSize);
     for (std::size_t i = 0; i < chunk.blocks * kLanes; i += hn::Lanes(d)) {
-        const V nx = hn::Load(d, &chunk.nx[i]), ny = hn::Load(d, &chunk.ny[i]), nz = hn::Load(d, &chunk.nz[i]);
+        const V nx = hn::Load(d, &chunk.nx[i]), ny = hn::Load(d, &chunk.ny[i]),
+                nz = hn::Load(d, &chunk.nz[i]);
         // SharedDirections::total
         const V norm = hn::Div(one, hn::Add(hn::Abs(nx), hn::Add(hn::Abs(ny), hn::Abs(nz))));
         const V a = hn::Mul(nx, norm), b = hn::Mul(ny, norm);
         const auto south = hn::Lt(nz, zero);
-        const V column = hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(b)), a), a)));
-        const V row = hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(a)), b), b)));
+        const V column =
+            hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(b)), a), a)));
+        const V row =
+            hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(a)), b), b)));
         const auto whole = [&](V x) HWY_ATTR {
             return hn::Min(hn::Max(hn::ConvertTo(in, x), hn::Zero(in)), hn::Set(in, kSize - 1));
         };
         const auto s = whole(column), t = whole(row);
         const V u = hn::Sub(column, hn::ConvertTo(d, s)), v = hn::Sub(row, hn::ConvertTo(d, t));
         const auto cell = hn::Add(hn::Mul(t, hn::Set(in, kSize + 1)), s);
-        const auto corner = [&](int offset) HWY_ATTR {
-            return gathered_float(d, shared.totals.data() + offset, cell);
-        };
+        const auto corner = [&](int offset)
+                                HWY_ATTR { return gathered_float(d, shared.totals.data() + offset, cell); };
         const V top_left = corner(0), bottom_left = corner(kSize + 1);
         const V top = hn::MulAdd(u, hn::Sub(corner(1), top_left), top_left);
         const V bottom = hn::MulAdd(u, hn::Sub(corner(kSize + 2), bottom_left), bottom_left);

@@ -10,12 +10,14 @@
 #include <hwy/highway.h>
 
 #include "batch/kernels-inl.hpp"
+#include "batch/load-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::HWY_NAMESPACE {
 
 const BatchKernels& kernels_of_target() {
-    static constexpr BatchKernels kKernels{find_facing, add_caster, add_occluded, finish_visibility};
+    static constexpr BatchKernels kKernels{load_packed, find_cells,   find_facing,
+                                           add_caster,  add_occluded, finish_visibility};
     return kKernels;
 }
 

@@ -72,8 +72,8 @@ class MapRegisters {
 #if DFIELD_AVX512
         const U d;
         if constexpr (kWords == 8) {
-            registers_[0] = hn::Vec<U>{_mm512_castsi256_si512(_mm256_loadu_si256(
-                reinterpret_cast<const __m256i*>(words)))};
+            registers_[0] = hn::Vec<U>{
+                _mm512_castsi256_si512(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(words)))};
         } else if constexpr (kWords <= 128) {
             for (int i = 0; i < kWords / 16; ++i) registers_[i] = hn::LoadU(d, words + 16 * i);
         }
@@ -91,7 +91,8 @@ class MapRegisters {
 #if DFIELD_AVX512
         if constexpr (kSize >= 32 && kWords <= 128) {
             constexpr int kFloor = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
-            const __m512i column = _mm512_cvt_roundps_epi32(u.raw, kFloor), row = _mm512_cvt_roundps_epi32(v.raw, kFloor);
+            const __m512i column = _mm512_cvt_roundps_epi32(u.raw, kFloor),
+                          row = _mm512_cvt_roundps_epi32(v.raw, kFloor);
             const __m512i size = _mm512_set1_epi32(kSize), one = _mm512_set1_epi32(1);
             __mmask16 inside = _mm512_cmplt_epu32_mask(row, size);
             __m512i index = row, shift = column;
@@ -107,8 +108,8 @@ class MapRegisters {
 #endif
 #if HWY_TARGET == HWY_AVX2
         if constexpr (kSize == 32) {
-            // Adding 3 * 2^22 leaves the nearest integer in the low bits: of x - 1/2, the floor of x (of an exact
-            // integer, it or the one below).
+            // Adding 3 * 2^22 leaves the nearest integer in the low bits: of x - 1/2, the floor of x (of an
+            // exact integer, it or the one below).
             const __m256 half = _mm256_set1_ps(0.5f), magic = _mm256_set1_ps(12582912.0f);
             const auto floor = [&](V x) HWY_ATTR {
                 return _mm256_sub_epi32(_mm256_castps_si256(_mm256_add_ps(_mm256_sub_ps(x.raw, half), magic)),
@@ -125,14 +126,16 @@ class MapRegisters {
             // Columns outside shift everything out; rows outside are left out.
             const __m256i bits = _mm256_slli_epi32(_mm256_srlv_epi32(_mm256_castps_si256(word), column), 31);
             const __m256i inside = _mm256_cmpeq_epi32(_mm256_srli_epi32(row, 5), _mm256_setzero_si256());
-            return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(bits, inside))));
+            return static_cast<std::uint32_t>(
+                _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(bits, inside))));
         }
 #endif
         // Truncation takes (-1, 0) to texel 0, which the signs tell apart.
         const auto column = hn::BitCast(un, hn::ConvertTo(i, u)), row = hn::BitCast(un, hn::ConvertTo(i, v));
         const auto size = hn::Set(un, static_cast<std::uint32_t>(kSize));
-        const auto inside = hn::And(hn::And(hn::Lt(column, size), hn::Lt(row, size)),
-                                    hn::RebindMask(un, hn::And(hn::Ge(u, hn::Zero(d)), hn::Ge(v, hn::Zero(d)))));
+        const auto inside =
+            hn::And(hn::And(hn::Lt(column, size), hn::Lt(row, size)),
+                    hn::RebindMask(un, hn::And(hn::Ge(u, hn::Zero(d)), hn::Ge(v, hn::Zero(d)))));
         // Texel v * kSize + u is bit (texel % 32) of word texel / 32.
         hn::Vec<U> index, shift;
         if constexpr (kSize == 32) {
@@ -142,10 +145,11 @@ class MapRegisters {
             index = hn::ShiftRight<1>(row);
             shift = hn::Or(hn::ShiftLeft<4>(hn::And(row, hn::Set(un, 1u))), column);
         } else {
-            index = hn::Or(hn::ShiftLeft<kSize == 64 ? 1 : 2>(row), hn::ShiftRight<5>(column));
+            index = hn::Or(hn::ShiftLeft < kSize == 64 ? 1 : 2 > (row), hn::ShiftRight<5>(column));
             shift = hn::And(column, hn::Set(un, 31u));
         }
-        const auto bit = hn::And(hn::Shr(word(index, inside), hn::And(shift, hn::Set(un, 31u))), hn::Set(un, 1u));
+        const auto bit =
+            hn::And(hn::Shr(word(index, inside), hn::And(shift, hn::Set(un, 31u))), hn::Set(un, 1u));
         return mask_bits(un, hn::And(inside, hn::Ne(bit, hn::Zero(un))));
     }
 
@@ -155,18 +159,17 @@ class MapRegisters {
     HWY_INLINE hn::Vec<U> word(hn::Vec<U> index, M inside) const {
         const U d;
 #if DFIELD_AVX512
-        if constexpr (kWords == 8)
-            return hn::Vec<U>{_mm512_permutexvar_epi32(index.raw, registers_[0].raw)};
+        if constexpr (kWords == 8) return hn::Vec<U>{_mm512_permutexvar_epi32(index.raw, registers_[0].raw)};
         if constexpr (kWords == 32) return pair(0, index);
         if constexpr (kWords == 128) {
-            const auto high = hn::TestBit(index, hn::Set(d, 64u)), middle = hn::TestBit(index, hn::Set(d, 32u));
+            const auto high = hn::TestBit(index, hn::Set(d, 64u)),
+                       middle = hn::TestBit(index, hn::Set(d, 32u));
             return hn::IfThenElse(high, hn::IfThenElse(middle, pair(6, index), pair(4, index)),
                                   hn::IfThenElse(middle, pair(2, index), pair(0, index)));
         }
 #elif HWY_TARGET == HWY_AVX2
         const auto look_up = [&](int i) HWY_ATTR {
-            return hn::TableLookupLanes(registers_[i],
-                                        hn::IndicesFromVec(d, hn::And(index, hn::Set(d, 7u))));
+            return hn::TableLookupLanes(registers_[i], hn::IndicesFromVec(d, hn::And(index, hn::Set(d, 7u))));
         };
         if constexpr (kWords == 8) return look_up(0);
         if constexpr (kWords == 32) {

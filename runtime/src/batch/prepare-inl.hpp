@@ -19,7 +19,8 @@ namespace dfield::runtime::HWY_NAMESPACE {
 // More texels than rounding of a receiver's coordinates, its block's box and both's sums amounts to.
 constexpr float kTexelMargin = 0.02f;
 
-// For each direction of a slab: texel coordinates u = row[0] x + row[1] y + row[2] z + row[3] of a world position.
+// For each direction of a slab: texel coordinates u = row[0] x + row[1] y + row[2] z + row[3] of a world
+// position.
 struct PreparedDirections {
     using Row = std::array<float, kSlab>;
     alignas(64) std::array<Row, 4> u, v;
@@ -87,7 +88,8 @@ HWY_INLINE V frame_byte(F d, hn::Vec<I> word) {
 HWY_INLINE hn::Vec<I> gathered_word(const std::uint8_t* frames, int word, hn::Vec<I> index) {
     const I i;
 #if DFIELD_AVX512 || HWY_TARGET == HWY_AVX2
-    return hn::GatherOffset(i, reinterpret_cast<const std::int32_t*>(frames + 4 * word), hn::ShiftLeft<3>(index));
+    return hn::GatherOffset(i, reinterpret_cast<const std::int32_t*>(frames + 4 * word),
+                            hn::ShiftLeft<3>(index));
 #else
     HWY_ALIGN std::int32_t lanes[16];
     hn::Store(index, i, lanes);
@@ -119,7 +121,8 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
     const DirectionMaps& maps = caster.maps;
     const auto n = static_cast<float>(maps.parameters.subdivision);
     const auto set = [&](float value) HWY_ATTR { return hn::Set(d, value); };
-    const V one = set(1), zero = hn::Zero(d), half_map = set(0.5f * static_cast<float>(maps.parameters.map_size));
+    const V one = set(1), zero = hn::Zero(d),
+            half_map = set(0.5f * static_cast<float>(maps.parameters.map_size));
     const std::uint8_t* const frames = maps.frames.front().data();
     for (std::size_t k = first; k < first + kClusterSize; k += hn::Lanes(d)) {
         // The direction in unit space, on the stored half: against the direction where that is flipped.
@@ -127,8 +130,9 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
         const V wx = hn::LoadU(d, &slab.shared.x[at]), wy = hn::LoadU(d, &slab.shared.y[at]),
                 wz = hn::LoadU(d, &slab.shared.z[at]);
         const auto carried = [&](int row) HWY_ATTR {
-            return hn::MulAdd(set(instance.to_unit[0][row]), wx,
-                              hn::MulAdd(set(instance.to_unit[1][row]), wy, hn::Mul(set(instance.to_unit[2][row]), wz)));
+            return hn::MulAdd(
+                set(instance.to_unit[0][row]), wx,
+                hn::MulAdd(set(instance.to_unit[1][row]), wy, hn::Mul(set(instance.to_unit[2][row]), wz)));
         };
         V3 q{carried(0), carried(1), carried(2)};
         q = scaled(hn::Div(one, hn::Sqrt(dot(q, q))), q);
@@ -139,14 +143,16 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
         turn_back(hn::Lt(q.z, zero));
 
         // nearest_direction: the ring and the place on it.
-        const V height = hn::Mul(set(n), hn::Sqrt(hn::Div(hn::MulAdd(q.x, q.x, hn::Mul(q.y, q.y)), hn::Add(one, q.z))));
+        const V height =
+            hn::Mul(set(n), hn::Sqrt(hn::Div(hn::MulAdd(q.x, q.x, hn::Mul(q.y, q.y)), hn::Add(one, q.z))));
         const V ring = hn::Min(hn::ConvertTo(d, hn::ConvertTo(in, hn::Add(height, set(0.5f)))), set(n));
         V j = hn::ConvertTo(d, hn::ConvertTo(in, hn::MulAdd(quarter_turns_of(d, q.x, q.y), ring, set(0.5f))));
         j = hn::IfThenZeroElse(hn::Ge(j, hn::Mul(set(4), ring)), j);
         const auto second_half = hn::And(hn::Eq(ring, set(n)), hn::Ge(j, hn::Add(ring, ring)));
         j = hn::IfThenElse(second_half, hn::Sub(j, hn::Add(ring, ring)), j);
         turn_back(second_half);
-        const V before = hn::IfThenZeroElse(hn::Eq(ring, zero), hn::MulAdd(hn::Mul(set(2), ring), hn::Sub(ring, one), one));
+        const V before = hn::IfThenZeroElse(hn::Eq(ring, zero),
+                                            hn::MulAdd(hn::Mul(set(2), ring), hn::Sub(ring, one), one));
         const auto index = hn::ConvertTo(in, hn::Add(before, j));  // exact below 2^24
 
         // stored_direction and frame_of_normal; z >= 0 throughout.
@@ -170,26 +176,31 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
         const auto low = gathered_word(frames, 0, index), high = gathered_word(frames, 1, index);
         const V t = hn::Mul(frame_byte<0>(d, low), set(1.0f / 256));
         const V rotation = hn::Div(one, hn::MulAdd(t, t, one));
-        const V turn_cosine = hn::Mul(hn::NegMulAdd(t, t, one), rotation), turn_sine = hn::Mul(hn::Add(t, t), rotation);
+        const V turn_cosine = hn::Mul(hn::NegMulAdd(t, t, one), rotation),
+                turn_sine = hn::Mul(hn::Add(t, t), rotation);
         const V3 axis_u = plus_scaled(scaled(turn_cosine, tangent), turn_sine, bitangent);
         const V3 axis_v = plus_scaled(scaled(turn_cosine, bitangent), hn::Neg(turn_sine), tangent);
-        const auto centred = [&](V byte, float scale) HWY_ATTR {
-            return hn::Mul(hn::Sub(byte, set(128)), set(scale));
-        };
-        const V centre_u = centred(frame_byte<1>(d, low), 1.0f / 128), centre_v = centred(frame_byte<2>(d, low), 1.0f / 128);
+        const auto centred = [&](V byte, float scale)
+                                 HWY_ATTR { return hn::Mul(hn::Sub(byte, set(128)), set(scale)); };
+        const V centre_u = centred(frame_byte<1>(d, low), 1.0f / 128),
+                centre_v = centred(frame_byte<2>(d, low), 1.0f / 128);
         const V half_u = hn::Mul(hn::Add(frame_byte<3>(d, low), one), set(1.0f / 256));
         const V half_v = hn::Mul(hn::Add(frame_byte<0>(d, high), one), set(1.0f / 256));
         const V depth = centred(frame_byte<1>(d, high), 1.0f / 128);
-        const V slope_u = centred(frame_byte<2>(d, high), 1.0f / 64), slope_v = centred(frame_byte<3>(d, high), 1.0f / 64);
+        const V slope_u = centred(frame_byte<2>(d, high), 1.0f / 64),
+                slope_v = centred(frame_byte<3>(d, high), 1.0f / 64);
 
         // DirectionLookup: texel coordinates of a point in unit space, then of one in world space.
         const V local_x = dot(q, axis_u), local_y = dot(q, axis_v);
         const V approach = hn::NegMulAdd(slope_u, local_x, hn::NegMulAdd(slope_v, local_y, dot(q, s)));
         const V inverse = hn::Div(one, approach);
         const V3 tilt = plus_scaled(scaled(slope_u, axis_u), slope_v, axis_v);
-        const V3 gradient = scaled(inverse, {hn::Sub(tilt.x, s.x), hn::Sub(tilt.y, s.y), hn::Sub(tilt.z, s.z)});
-        const V offset = hn::Mul(hn::NegMulAdd(slope_u, centre_u, hn::NegMulAdd(slope_v, centre_v, depth)), inverse);
-        const auto store = [&](V3 axis, V local, V centre, V half, std::array<PreparedDirections::Row, 4>& row) HWY_ATTR {
+        const V3 gradient =
+            scaled(inverse, {hn::Sub(tilt.x, s.x), hn::Sub(tilt.y, s.y), hn::Sub(tilt.z, s.z)});
+        const V offset =
+            hn::Mul(hn::NegMulAdd(slope_u, centre_u, hn::NegMulAdd(slope_v, centre_v, depth)), inverse);
+        const auto store = [&](V3 axis, V local, V centre, V half,
+                               std::array<PreparedDirections::Row, 4>& row) HWY_ATTR {
             const V scale = hn::Div(half_map, half);
             const V3 g = scaled(scale, plus_scaled(axis, local, gradient));
             V constant = hn::MulAdd(scale, hn::MulSub(local, offset, centre), half_map);

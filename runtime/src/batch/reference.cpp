@@ -4,6 +4,8 @@
 #include "batch/chunk.hpp"
 #include "batch/confirm.hpp"
 #include "batch/direction_lookup.hpp"
+#include "batch/loaded.hpp"
+#include "receivers.hpp"
 
 namespace dfield::runtime {
 namespace {
@@ -16,6 +18,41 @@ glm::vec3 normal_of(const Chunk& chunk, std::size_t i) {
 }
 glm::vec3 direction_of(const SharedDirections& shared, std::size_t k) {
     return {shared.x[k], shared.y[k], shared.z[k]};
+}
+
+void load_packed(const float* positions, const float* normals, Loaded& loaded) {
+    for (std::size_t i = 0; i < loaded.count; ++i) {
+        const auto vec3 = [i](const float* values) {
+            return glm::vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+        };
+        const UnitReceiver receiver = unit_receiver(vec3(positions), vec3(normals), DFIELD_NO_INSTANCE);
+        loaded.x[i] = receiver.position.x;
+        loaded.y[i] = receiver.position.y;
+        loaded.z[i] = receiver.position.z;
+        loaded.nx[i] = receiver.normal.x;
+        loaded.ny[i] = receiver.normal.y;
+        loaded.nz[i] = receiver.normal.z;
+        if (!receiver.usable()) continue;
+        loaded.low = glm::min(loaded.low, receiver.position);
+        loaded.high = glm::max(loaded.high, receiver.position);
+    }
+}
+
+void find_cells(Loaded& loaded) {
+    const float scale = loaded.cell_scale();
+    for (std::size_t i = 0; i < loaded.count; ++i) {
+        const glm::vec3 position(loaded.x[i], loaded.y[i], loaded.z[i]);
+        const glm::vec3 normal(loaded.nx[i], loaded.ny[i], loaded.nz[i]), n = glm::abs(normal);
+        const int axis = n.x >= std::max(n.y, n.z) ? 0 : n.y >= n.z ? 1 : 2;
+        const auto place = [&](int a) {
+            const float cell = std::clamp((position[a] - loaded.low[a]) * scale, 0.0f, 15.0f);
+            return spread(static_cast<std::uint32_t>(cell));
+        };
+        loaded.cells[i] = n.x + n.y + n.z > 0
+                              ? static_cast<std::uint32_t>(2 * axis + (normal[axis] < 0)) << 2 * kCellBits |
+                                    place((axis + 1) % 3) << 1 | place((axis + 2) % 3)
+                              : kNoCell;
+    }
 }
 
 void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
@@ -39,8 +76,8 @@ void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chu
                 const ReceiverSide side = side_of_receiver(caster, position, normal);
                 const glm::vec3 w = caster.instance.carry_direction(ray);
                 MapPlace place;
-                if (!side.behind && !(side.near_box && side.leaving.leaves(w.x, w.y, w.z)) && lookup.hits(position, place) &&
-                    (!side.cut || hit_is_ahead(caster, position, ray, place)))
+                if (!side.behind && !(side.near_box && side.leaving.leaves(w.x, w.y, w.z)) &&
+                    lookup.hits(position, place) && (!side.cut || hit_is_ahead(caster, position, ray, place)))
                     bits |= static_cast<std::uint16_t>(1u << lane);
             }
             masks.rows[k][b] |= bits;
@@ -70,6 +107,7 @@ void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float
 
 }  // namespace
 
-const BatchKernels kReferenceKernels{find_facing, add_caster, add_occluded, finish_visibility};
+const BatchKernels kReferenceKernels{load_packed, find_cells,   find_facing,
+                                     add_caster,  add_occluded, finish_visibility};
 
 }  // namespace dfield::runtime

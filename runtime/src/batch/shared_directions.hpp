@@ -14,7 +14,7 @@ namespace dfield::runtime {
 inline constexpr std::size_t kClusterSize = 16;
 
 struct DirectionCluster {
-    glm::vec3 axis;       // unit
+    glm::vec3 axis;      // unit
     float cosine, sine;  // of the angle between the axis and the direction farthest from it
 };
 
