@@ -1,52 +1,24 @@
 #include "baker/cli/verification.hpp"
 
-#include "baker/cli/comparison.hpp"
-#include "baker/cli/corner.hpp"
-#include "format/hemisphere_map.hpp"
+#include "baker/cli/accuracy.hpp"
 
 namespace dfield::cli {
-namespace {
-
-constexpr std::uint32_t kHemisphereRays = 256, kSharedRays = 512;
-
-struct StandardScene {
-    const char* name;
-    float gap;  // between the caster's box and the planes, in its longest sides
-};
-constexpr StandardScene kScenes[] = {{"corner", 0.1f}, {"corner-contact", 0}};
-
-Json errors_json(const Comparison& comparison) {
-    return {{"rms_grey", significant(comparison.rms_grey, 4)},
-            {"bias_grey", significant(comparison.bias_grey, 4)},
-            {"max_grey", significant(comparison.max_grey, 4)},
-            {"rms_grey_converged", significant(comparison.rms_grey_converged, 4)}};
-}
-
-}  // namespace
 
 Json verification_json(const TriangleMesh& mesh, const DisplacementField& field,
                        std::span<const std::byte> bytes, int threads) {
+    std::vector<dfield_kind> kinds;
+    if (has_maps(field.parameters)) kinds.push_back(DFIELD_KIND_MAPS);
+    if (field.lines) kinds.push_back(DFIELD_KIND_LINES);
+    if (!field.directions.empty()) kinds.push_back(DFIELD_KIND_DIRECTIONS);
+
+    const ThreadedContext context(threads);
+    const Field loaded = Field::load(context.get(), bytes.data(), bytes.size());
     Json verified = Json::object();
-    const auto verify = [&](dfield_kind kind) {
-        ComparisonInput input;
-        input.kind = kind;
-        input.shared = kind == DFIELD_KIND_DIRECTIONS;
-        input.directions = input.shared ? fibonacci_sphere(kSharedRays) : cosine_directions(kHemisphereRays);
-        input.converged_rays = kVerificationRays;
-        input.threads = threads;
-        input.repetitions = 1;
-        input.fields.emplace_back(bytes.begin(), bytes.end());
-        input.casters.push_back({&mesh, 0});
-        Json& of_kind = verified[name_of(kind)];
-        for (const StandardScene& scene : kScenes) {
-            const TriangleMesh room = corner_room(triangle_bounds(mesh), scene.gap);
-            input.groups.assign(1, {placed_vertices(room, glm::mat4(1))});
-            of_kind[scene.name] = errors_json(compare(input));
-        }
-    };
-    if (has_maps(field.parameters)) verify(DFIELD_KIND_MAPS);
-    if (field.lines) verify(DFIELD_KIND_LINES);
-    if (!field.directions.empty()) verify(DFIELD_KIND_DIRECTIONS);
+    for (const StandardScene& standard : kStandardScenes) {
+        const AccuracyScene scene(mesh, standard.gap, threads);
+        for (const dfield_kind kind : kinds)
+            verified[name_of(kind)][standard.name] = scene.measure(context.get(), loaded, kind).json();
+    }
     return verified;
 }
 

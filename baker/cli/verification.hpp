@@ -10,10 +10,8 @@
 
 namespace dfield::cli {
 
-// The errors of every kind that the field holds, at the receivers of scenes `corner` and `corner-contact`,
-// against Embree with the same rays and with kVerificationRays: {"maps": {"corner": {"rms_grey": …}, …}, …}.
-// `bytes` is a .dfield of `field`, which is baked from `mesh`.
-inline constexpr std::uint32_t kVerificationRays = 1024;
+// The errors of every kind that the field holds, as AccuracyScene measures them in the standard scenes:
+// {"maps": {"corner": {"rms_grey": …}, …}, …}. `bytes` is a .dfield of `field`, which is baked from `mesh`.
 Json verification_json(const TriangleMesh& mesh, const DisplacementField& field,
                        std::span<const std::byte> bytes, int threads);
 

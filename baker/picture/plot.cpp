@@ -141,9 +141,11 @@ class Scale {
             if (place(value) > -1e-9 && place(value) < 1 + 1e-9) result.push_back(value);
         };
         if (axis_.logarithmic) {
+            const auto digits =
+                to_ > 10 * from_ ? std::vector<double>{1, 2, 5} : std::vector<double>{1, 1.5, 2, 3, 5, 7};
             for (int power = static_cast<int>(std::floor(std::log10(from_))); std::pow(10.0, power) <= to_;
                  ++power)
-                for (const double digit : {1, 2, 5}) add(digit * std::pow(10.0, power));
+                for (const double digit : digits) add(digit * std::pow(10.0, power));
         } else {
             const double rough = (to_ - from_) / 7, power = std::pow(10, std::floor(std::log10(rough)));
             const double step = power * (rough > 5 * power   ? 10

@@ -41,10 +41,11 @@ struct Plot {
     std::uint32_t width = 820, height = 560;
 };
 
-// Ticks are at 1, 2 and 5 times powers of ten on logarithmic axes, at even round steps on linear ones. The
-// legend is beside the diagram. Labels give way to markers and to each other, and one that finds no room is
-// left out; those of points come in the order of the series. Throws std::invalid_argument for a plot without
-// points, and for a value that is not finite or, on a logarithmic axis, not above zero.
+// Ticks are at 1, 2 and 5 times powers of ten on logarithmic axes (and between, where they span less than
+// ten), at even round steps on linear ones. The legend is beside the diagram. Labels give way to markers and
+// to each other, and one that finds no room is left out; those of points come in the order of the series.
+// Throws std::invalid_argument for a plot without points, and for a value that is not finite or, on a
+// logarithmic axis, not above zero.
 Image draw_plot(const Plot& plot);
 
 }  // namespace dfield

@@ -61,20 +61,20 @@ void write_corners(const Report& report, paper::Page& page) {
     page.heading(3, "One instance in the corner");
     page.paragraph(
         "Errors are RMS in grey levels, against Embree with the same rays: 256 cosine-weighted ones around "
-        "each normal, "
-        "or for direction maps the " +
+        "each "
+        "normal, or for direction maps the " +
         std::to_string(kSharedDirections) +
         " directions that all receivers share, those above the receiver's plane. Times are of the whole call "
-        "on one "
-        "core, set-up included, per ray and per receiver; × are against Embree on the same rays in the "
-        "fastest of seven "
-        "modes, by the instructions that the lookup was held to. Memory is in thousands of bytes. Peers: a "
-        "signed "
-        "distance field as game engines ship it (8 bits a node, sphere traced, sixteen rays at a time; the "
-        "better one of "
-        "with and without a sign, as sheets and leaves have no inside), and Malmer et al.'s grid of "
-        "spherical caps, one "
-        "read a receiver whatever the rays.");
+        "on "
+        "one core, set-up included, per ray and per receiver; × are against Embree on the same rays in the "
+        "fastest of seven modes, by the instructions that the lookup was held to. Embree and the distance "
+        "fields, "
+        "which take long, are timed in parts of a millisecond or so, each part by its fastest turn. Memory "
+        "is in "
+        "thousands of bytes. Peers: a signed distance field as game engines ship it (8 bits a node, sphere "
+        "traced, a vector of rays at a time; the best of with and without a sign, as sheets and leaves have "
+        "no "
+        "inside), and Malmer et al.'s grid of spherical caps, one read a receiver whatever the rays.");
     for (const std::string& model : models_of(report)) {
         const auto first = std::find_if(report.rows.begin(), report.rows.end(),
                                         [&](const Row& row) { return row.model == model; });
