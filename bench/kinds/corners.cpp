@@ -203,7 +203,7 @@ const Row* fastest(const Report& report, const std::string& model, const std::st
                    double bytes) {
     const Row* best = nullptr;
     for (const Row& row : report.rows)
-        if (row.model == model && row.kind.starts_with(kind) && row.rms <= grey &&
+        if (row.headline && row.model == model && row.kind.starts_with(kind) && row.rms <= grey &&
             static_cast<double>(row.memory_bytes) <= bytes && (!best || row.speedup() > best->speedup()))
             best = &row;
     return best;

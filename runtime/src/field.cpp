@@ -23,9 +23,11 @@ dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> b
       level_disagreement(context) {
     const auto samples = dfield::sphere_points(maps.parameters.positions, maps.parameters.subdivision);
     points.assign(samples.begin(), samples.end());
-    if (maps.lines && maps.lines->parameters.pivot)
-        for (const glm::vec3& point : dfield::lattice_points(maps.lines->parameters.lattice))
-            line_points.emplace_back(point, 0.0f);
+    if (maps.lines && maps.lines->parameters.pivot) {
+        const auto lattice = dfield::lattice_points(maps.lines->parameters.lattice);
+        line_points.reserve(lattice.size());
+        for (const glm::vec3& point : lattice) line_points.emplace_back(point, 0.0f);
+    }
     for (const dfield::DirectionMaps& level : maps.directions)
         direction_reach.push_back(dfield::direction_reach(level));
     for (const dfield::DirectionMaps& level : maps.directions)

@@ -25,7 +25,9 @@ typedef enum dfield_falloff {
 typedef enum dfield_sampling {
     DFIELD_SAMPLING_HEMISPHERE = 0, /* ray_count directions around n, in the frame of n */
     DFIELD_SAMPLING_SHARED = 1 /* ray_count directions w over the whole sphere, in world space, the same for
-                                  all receivers; weight max(0, n.w). The fast path for many receivers */
+                                  all receivers; weight max(0, n.w). The fast path for many receivers; fastest
+                                       where neighbours in the arrays are neighbours in space, as a
+                                       dfield_receiver_set puts them */
 } dfield_sampling;
 
 #define DFIELD_MAX_RAYS 65536u

@@ -35,8 +35,9 @@ struct Chunk {
     alignas(64) std::array<std::uint16_t, kChunkBlocks> lanes;  // bits of the lanes that hold a receiver
     std::array<dfield_instance, kChunkBlocks * kLanes> owners;  // DFIELD_NO_INSTANCE for none
     bool any_owner = false;
-    // Of all boxes.
+    // Of all boxes, and of sixteen blocks together.
     glm::vec3 low, high;
+    std::array<glm::vec3, kChunkBlocks / 16> group_low, group_high;
 };
 
 // Of each direction of a slab, in cluster order, and each block: which receivers are blocked. Direction by

@@ -47,7 +47,9 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
 
     std::array<std::uint16_t, kCells + 2> starts{};
     for (std::size_t i = 0; i < count; ++i) ++starts[loaded.cells[i] + 1u];
-    for (std::size_t cell = 0; cell < kCells; ++cell) starts[cell + 1] += starts[cell];
+    // The sum in a register: through the array each step would wait for the one before to be stored.
+    std::uint16_t sum = 0;
+    for (std::size_t cell = 0; cell < kCells; ++cell) starts[cell + 1] = sum += starts[cell + 1];
     const std::size_t usable = starts[kCells];
     chunk.blocks = (usable + kLanes - 1) / kLanes;
     chunk.any_owner = receivers.owners != nullptr;
@@ -82,6 +84,8 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
 void finish_chunk(Chunk& chunk) {
     chunk.low = glm::vec3(INFINITY);
     chunk.high = glm::vec3(-INFINITY);
+    chunk.group_low.fill(chunk.low);
+    chunk.group_high.fill(chunk.high);
     for (std::size_t b = 0; b < chunk.blocks; ++b) {
         glm::vec3 low(INFINITY), high(-INFINITY), axis(0);
         for (std::size_t i = b * kLanes; i < (b + 1) * kLanes; ++i) {
@@ -102,6 +106,8 @@ void finish_chunk(Chunk& chunk) {
         chunk.half_z[b] = half.z;
         chunk.low = glm::min(chunk.low, centre - half);
         chunk.high = glm::max(chunk.high, centre + half);
+        chunk.group_low[b / 16] = glm::min(chunk.group_low[b / 16], centre - half);
+        chunk.group_high[b / 16] = glm::max(chunk.group_high[b / 16], centre + half);
         const float length = glm::length(axis);
         float cosine = -1;
         if (length > 0) {

@@ -50,23 +50,30 @@ inline void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facin
     }
 }
 
-// Which clusters of the slab hold a direction whose line through some receiver may come near the caster.
-inline std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                                   std::uint32_t candidates) {
-    const glm::vec3 middle = 0.5f * (chunk.low + chunk.high);
-    const glm::vec3 away = caster.centre - middle;
+// Which clusters of the slab hold a direction whose line through some point of a box may come near the
+// caster.
+HWY_INLINE std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const glm::vec3& low,
+                                       const glm::vec3& high) {
+    const F d;
+    const glm::vec3 away = caster.centre - 0.5f * (low + high);
     const float distance = std::sqrt(glm::dot(away, away));
-    const float reach = 1.0001f * (caster.reach + 0.5f * glm::length(chunk.high - chunk.low));
-    if (!(reach < distance)) return candidates;
-    const float sine = reach / distance, cosine = std::sqrt(1 - sine * sine);
+    const float reach = 1.0001f * (caster.reach + 0.5f * glm::length(high - low));
+    if (!(reach < distance)) return ~0u;
+    // The angle between axis and line of centres is at most the sum of both cones' (lines have no sense).
+    const float sine = reach / distance;
+    const V sines = hn::Set(d, sine), cosines = hn::Set(d, std::sqrt(1 - sine * sine));
+    const glm::vec3 towards = away / distance;
+    const std::size_t first = slab.first / kClusterSize;
+    const auto& rows = slab.shared.cluster_rows;
     std::uint32_t result = 0;
-    for (std::uint32_t rest = candidates; rest != 0; rest &= rest - 1) {
-        const int c = std::countr_zero(rest);
-        const DirectionCluster& cluster = slab.shared.clusters[slab.first / kClusterSize + c];
-        // The angle between axis and line of centres is at most the sum of both cones' (lines have no sense).
-        const float bound = cosine * cluster.cosine - sine * cluster.sine;
-        if (cluster.cosine <= 0 || std::fabs(glm::dot(cluster.axis, away)) >= (bound - 1e-5f) * distance)
-            result |= 1u << c;
+    for (std::size_t c = 0; c < kSlab / kClusterSize; c += hn::Lanes(d)) {
+        const auto row = [&](int i) HWY_ATTR { return hn::LoadU(d, &rows[i][first + c]); };
+        const V along = hn::Abs(
+            hn::MulAdd(row(0), hn::Set(d, towards.x),
+                       hn::MulAdd(row(1), hn::Set(d, towards.y), hn::Mul(row(2), hn::Set(d, towards.z)))));
+        const V cosine = row(3);
+        const V bound = hn::Sub(hn::NegMulAdd(sines, row(4), hn::Mul(cosines, cosine)), hn::Set(d, 1e-5f));
+        result |= mask_bits(d, hn::Or(hn::Ge(along, bound), hn::Le(cosine, hn::Zero(d)))) << c;
     }
     return result;
 }
@@ -266,7 +273,14 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
                       const ChunkFacing& facing, ChunkMasks& masks) {
     const F d;
     constexpr auto kMapSize = static_cast<float>(kSize);
-    const std::uint32_t clusters = clusters_near(caster, slab, chunk, facing.clusters);
+    // Sixteen blocks at a time: chunks may be long and thin.
+    std::array<std::uint32_t, kChunkBlocks / 16> near;
+    std::uint32_t clusters = 0;
+    for (std::size_t group = 0; group < chunk.blocks; group += 16) {
+        near[group / 16] = facing.clusters & clusters_near(caster, slab, chunk.group_low[group / 16],
+                                                           chunk.group_high[group / 16]);
+        clusters |= near[group / 16];
+    }
     if (clusters == 0) return;
     PreparedDirections prepared;
     ChunkSides sides;
@@ -275,6 +289,7 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
 
     for (std::uint32_t rest = clusters; rest != 0; rest &= rest - 1) {
         const std::size_t first = std::countr_zero(rest) * kClusterSize;
+        const std::uint32_t cluster = rest & (0u - rest);
         prepare_directions(caster, slab, first, prepared);
         std::uint32_t directions = directions_on_box(prepared, first, middle, half, kMapSize);
         for (; directions != 0; directions &= directions - 1) {
@@ -296,7 +311,7 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
             BlockList plain, special;
             for (std::size_t group = 0; group < chunk.blocks; group += 16) {
                 const std::uint32_t faced = facing.rows[k][group / 16];
-                if (faced == 0) continue;
+                if (faced == 0 || !(near[group / 16] & cluster)) continue;
                 const std::uint32_t blocks = faced & blocks_on_map(d, chunk, group, u, v, map_size) &
                                              open_words(&row[group], &chunk.lanes[group]);
                 if (const std::uint32_t missing = blocks & ~sides.known[group / 16])
@@ -304,8 +319,15 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
                 plain.append(group, blocks & sides.plain[group / 16]);
                 special.append(group, blocks & ~sides.plain[group / 16]);
             }
-            for (std::size_t i = 0; i < plain.size; ++i) {
-                const std::size_t b = plain.blocks[i];
+            std::size_t next = 0;
+            for (; next + 1 < plain.size; next += 2) {
+                const std::size_t a = plain.blocks[next], b = plain.blocks[next + 1];
+                const std::uint32_t bits_a = look_up(a), bits_b = look_up(b);
+                row[a] |= static_cast<std::uint16_t>(bits_a);
+                row[b] |= static_cast<std::uint16_t>(bits_b);
+            }
+            if (next < plain.size) {
+                const std::size_t b = plain.blocks[next];
                 row[b] |= static_cast<std::uint16_t>(look_up(b));
             }
             if (special.size == 0) continue;

@@ -70,6 +70,11 @@ void SharedDirections::build(std::span<const glm::vec3> directions, std::span<co
         result.sine = std::sqrt(std::max(0.0f, 1 - result.cosine * result.cosine));
         clusters.push_back(result);
     }
+    for (const DirectionCluster& c : clusters)
+        for (std::size_t i = 0; i < cluster_rows.size(); ++i)
+            cluster_rows[i].push_back(i < 3 ? c.axis[static_cast<int>(i)] : i == 3 ? c.cosine : c.sine);
+    // A slab's clusters are read as two whole vectors of sixteen.
+    for (auto& row : cluster_rows) row.resize((row.size() + 31) / 32 * 32, 0.0f);
     for (int row = 0; row <= kTotalsSize; ++row)
         for (int column = 0; column <= kTotalsSize; ++column) {
             const glm::vec3 n = octahedral_point(2.0f * static_cast<float>(column) / kTotalsSize - 1,

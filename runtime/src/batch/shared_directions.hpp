@@ -2,6 +2,7 @@
 // the sum of cosine weights over the hemisphere of any normal as a table.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -23,7 +24,16 @@ struct SharedDirections {
     static constexpr int kTotalsSize = 64;  // cells along a side of the octahedral table
 
     explicit SharedDirections(std::pmr::memory_resource* memory)
-        : x(memory), y(memory), z(memory), weight(memory), ray(memory), clusters(memory), totals(memory) {}
+        : x(memory),
+          y(memory),
+          z(memory),
+          weight(memory),
+          ray(memory),
+          clusters(memory),
+          cluster_rows{std::pmr::vector<float>(memory), std::pmr::vector<float>(memory),
+                       std::pmr::vector<float>(memory), std::pmr::vector<float>(memory),
+                       std::pmr::vector<float>(memory)},
+          totals(memory) {}
 
     // Directions are unit, weights non-negative; empty weights: all 1.
     void build(std::span<const glm::vec3> directions, std::span<const float> weights);
@@ -39,6 +49,8 @@ struct SharedDirections {
     std::pmr::vector<float> x, y, z, weight;
     std::pmr::vector<std::uint32_t> ray;  // index in the caller's order
     std::pmr::vector<DirectionCluster> clusters;
+    // The clusters again, one array a member, filled up to a multiple of kClusterSize: axis, cosine, sine.
+    std::array<std::pmr::vector<float>, 5> cluster_rows;
     std::pmr::vector<float> totals;  // (kTotalsSize + 1)^2 values at the octahedron's lattice, row by row
 };
 
