@@ -316,8 +316,7 @@ Comparison compare(const ComparisonInput& given) {
             if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted");
             const std::size_t end = std::min(begin + chunk, group.receivers.size());
             if (result.embree_mode.empty())
-                mode =
-                    choose_mode(peer, rays_of(input, group.receivers, begin, end), input, result);
+                mode = choose_mode(peer, rays_of(input, group.receivers, begin, end), input, result);
             compare_chunk(input, arena, group, begin, end, mode, result, totals);
         }
         converged.add(peer, group.receivers, result.lookup.data() + first, receivers, many);

@@ -34,8 +34,8 @@ struct ComparisonInput {
     // max(0, n.w) and a pair with the receivers that face it only.
     std::vector<glm::vec3> directions;
     bool shared = false;
-    std::vector<float> weights;             // of directions around +z; empty: even
-    dfield_kind kind = DFIELD_KIND_AUTO;    // that the lookup is forced to
+    std::vector<float> weights;           // of directions around +z; empty: even
+    dfield_kind kind = DFIELD_KIND_AUTO;  // that the lookup is forced to
     std::uint32_t converged_rays = 4096;
     int threads = 1;
     int repetitions = 5;  // the fastest of them counts, on both sides

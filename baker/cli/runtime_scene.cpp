@@ -13,7 +13,9 @@ namespace {
 void run_parallel(void* user, std::size_t count, void (*body)(void*, std::size_t, std::size_t), void* data) {
     const int threads = *static_cast<const int*>(user);
     if (threads == 1) return body(data, 0, count);
-    parallel_ranges(threads, count, std::max<std::size_t>(256, count / (8 * static_cast<std::size_t>(threads))), [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
+    parallel_ranges(threads, count,
+                    std::max<std::size_t>(256, count / (8 * static_cast<std::size_t>(threads))),
+                    [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
 }
 
 Context make_context(int* threads) {

@@ -1,5 +1,5 @@
-// Batches over direction maps: every level of SIMD against the reference, independence of how receivers are grouped,
-// closed forms, distances.
+// Batches over direction maps: every level of SIMD against the reference, independence of how receivers are
+// grouped, closed forms, distances.
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
@@ -44,10 +44,11 @@ Case random_case(std::uint64_t seed, std::size_t instances, std::size_t receiver
     const glm::dvec3 low(-4), high(4);
     for (std::size_t i = 0; i < instances; ++i) result.places.push_back(random_placement(random, low, high));
     for (std::size_t i = 0; i < receivers; ++i) {
-        result.receivers.positions.emplace_back(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
+        result.receivers.positions.emplace_back(random.uniform(-5, 5), random.uniform(-5, 5),
+                                                random.uniform(-5, 5));
         result.receivers.normals.emplace_back(random.direction() * random.uniform(0.1, 3));
-        result.receivers.owners.push_back(random.below(5) == 0 ? random.below(static_cast<std::uint32_t>(instances))
-                                                               : DFIELD_NO_INSTANCE);
+        result.receivers.owners.push_back(
+            random.below(5) == 0 ? random.below(static_cast<std::uint32_t>(instances)) : DFIELD_NO_INSTANCE);
     }
     return result;
 }
@@ -56,8 +57,8 @@ void place(Scene& scene, const Field& field, const Case& setting) {
     for (const glm::mat4& place : setting.places) scene.add(field, &place[0][0]);
 }
 
-std::vector<std::uint32_t> masks_of(dfield_simd simd, const std::vector<std::byte>& bytes, const Case& setting,
-                                    const dfield_ao_desc& desc) {
+std::vector<std::uint32_t> masks_of(dfield_simd simd, const std::vector<std::byte>& bytes,
+                                    const Case& setting, const dfield_ao_desc& desc) {
     const Context context = context_at(simd);
     const Field field = Field::load(context, bytes.data(), bytes.size());
     Scene scene(context);
@@ -82,15 +83,18 @@ TEST_CASE("every level of SIMD agrees with the reference", "[batch]") {
         CAPTURE(map_size);
         const auto bytes = baked_directions_bytes(table(), 7, map_size, 8);
         const Case setting = random_case(11 + map_size, 7, 700);
-        const std::vector<std::uint32_t> reference = masks_of(DFIELD_SIMD_SCALAR, bytes, setting, shared(300));
+        const std::vector<std::uint32_t> reference =
+            masks_of(DFIELD_SIMD_SCALAR, bytes, setting, shared(300));
         std::size_t blocked = 0;
         for (const std::uint32_t word : reference) blocked += std::popcount(word);
         REQUIRE(blocked > 3000);
-        for (const dfield_simd simd : {DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_AVX512, DFIELD_SIMD_NEON}) {
+        for (const dfield_simd simd :
+             {DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_AVX512, DFIELD_SIMD_NEON}) {
             CAPTURE(simd);
             const std::vector<std::uint32_t> masks = masks_of(simd, bytes, setting, shared(300));
             std::size_t differing = 0;
-            for (std::size_t i = 0; i < masks.size(); ++i) differing += std::popcount(masks[i] ^ reference[i]);
+            for (std::size_t i = 0; i < masks.size(); ++i)
+                differing += std::popcount(masks[i] ^ reference[i]);
             // Rounding puts a line into another texel, or a direction to another stored one.
             CHECK(differing <= 700 * 300 / 5000);
         }
@@ -212,15 +216,26 @@ TEST_CASE("bounded distances and falloff come from the depth maps", "[batch]") {
             scene.visibility(ao, receiver.view(), &visibility);
             double occluded = 0, whole = 0;
             for (std::size_t r = 0; r < 512; ++r) {
-                const glm::vec3 w(ao.directions()[3 * r], ao.directions()[3 * r + 1], ao.directions()[3 * r + 2]);
+                const glm::vec3 w(ao.directions()[3 * r], ao.directions()[3 * r + 1],
+                                  ao.directions()[3 * r + 2]);
                 const double cosine = glm::dot(receiver.normals[0], w);
                 if (cosine <= 0) continue;
                 whole += cosine;
                 RTCIntersectContext rays;
                 rtcInitIntersectContext(&rays);
                 RTCRayHit hit{};
-                hit.ray = {receiver.positions[0].x, receiver.positions[0].y, receiver.positions[0].z, 0, w.x, w.y, w.z, 0,
-                           1e30f, ~0u, 0, 0};
+                hit.ray = {receiver.positions[0].x,
+                           receiver.positions[0].y,
+                           receiver.positions[0].z,
+                           0,
+                           w.x,
+                           w.y,
+                           w.z,
+                           0,
+                           1e30f,
+                           ~0u,
+                           0,
+                           0};
                 hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
                 rtcIntersect1(embree.get(), &rays, &hit);
                 if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID)
@@ -234,7 +249,8 @@ TEST_CASE("bounded distances and falloff come from the depth maps", "[batch]") {
 
 TEST_CASE("fields with and without direction maps share a scene", "[batch]") {
     const Context context;
-    const Field with = baked_directions(context, table(), 12, 64, 8), without = baked(context, table(), 16, 32, 8);
+    const Field with = baked_directions(context, table(), 12, 64, 8),
+                without = baked(context, table(), 16, 32, 8);
     const Case setting = random_case(21, 6, 400);
     const Ao ao(context, shared(512));
     Scene all(context), mixed(context);
@@ -267,8 +283,8 @@ TEST_CASE("far instances are read from coarser levels within the stated error", 
     BakeOptions options;
     options.parameters = kNoMaps;
     DisplacementField baked = bake_field(mesh, options);
-    for (const DirectionParameters& level : {DirectionParameters{4, 16, 0}, DirectionParameters{8, 32, 0},
-                                             DirectionParameters{16, 64, 0}}) {
+    for (const DirectionParameters& level :
+         {DirectionParameters{4, 16, 0}, DirectionParameters{8, 32, 0}, DirectionParameters{16, 64, 0}}) {
         DirectionBakeOptions of_level;
         of_level.parameters = level;
         baked.directions.push_back(bake_directions(mesh, {baked.centre, baked.radius}, of_level));
