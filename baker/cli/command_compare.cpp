@@ -80,6 +80,16 @@ std::vector<std::byte> given_field(const CompareCommand& command, const Triangle
     return bytes;
 }
 
+// The first kind that a file has, in the order in which single rays are answered.
+std::string kind_of_file(const fs::path& path) {
+    try {
+        const DisplacementField field = read_field(read_file(path));
+        return has_maps(field.parameters) ? "maps" : field.lines ? "lines" : "directions";
+    } catch (const FormatError& error) {
+        throw InputError(path.string() + ": " + error.what());
+    }
+}
+
 void add_group(Setting& setting, const TriangleMesh& mesh, const glm::mat4& transform, std::size_t owner,
                bool room) {
     setting.input.groups.push_back({placed_vertices(mesh, transform), owner});
@@ -295,13 +305,16 @@ void add_compare_command(CLI::App& app, ExitCode&) {
         "any-hit\n"
         "queries on the casters alone, packets prepared beforehand, the fastest of seven modes. The lookup's "
         "side is\n"
-        "the whole call, rays made from vertices included.");
+        "the whole call, rays made from vertices included. --kind auto compares displacement maps, with "
+        "--field "
+        "what the\nfile has, with --budget what it chooses.");
     compare->callback([command, compare] {
         for (const char* flag : {"--subdivision", "--map-size", "--mapping", "--positions", "--bits"})
             if (!command->field.empty() && compare->count(flag) > 0)
                 std::fprintf(stderr, "dfield: warning: %s is ignored: %s has its own (see dfield info)\n",
                              flag, command->field.string().c_str());
-        if (command->options.kind == "auto" && command->budget == 0) command->options.kind = "maps";
+        if (command->options.kind == "auto" && command->budget == 0)
+            command->options.kind = command->field.empty() ? "maps" : kind_of_file(command->field);
         if (command->options.kind == "all")
             throw Error(ExitCode::kUsage, "--kind: compare one kind at a time: maps, lines or directions");
         if ((command->options.kind == "directions" || command->options.kind == "auto") &&

@@ -41,29 +41,31 @@ class Crowd {
           context_(threads),
           ao_(context_.get(), pairs.desc(DFIELD_KIND_DIRECTIONS)),
           scene_(context_.get()),
-          visibility_(layout.receivers.size()) {
+          set_(context_.get(), ao_, layout.receivers.view()) {
         for (const auto& bytes : fields)
             fields_.push_back(Field::load(context_.get(), bytes.data(), bytes.size()));
         for (const Placement& placement : layout.placements(0))
             ids_.push_back(scene_.add(fields_[placement.object], &placement.transform[0][0]));
     }
 
-    // Seconds from the transforms' change to all receivers' visibility.
+    // Seconds from the transforms' change to all receivers' visibility. The receivers stay from frame to
+    // frame, as a receiver set; with all instances changed it computes everything from scratch.
     double frame(std::uint32_t index) {
         const std::vector<Placement> placements = layout_.placements(index);
         return seconds_of([&] {
             scene_.set_transforms(ids_.size(), ids_.data(), &placements.front().transform[0][0],
                                   sizeof(Placement));
-            scene_.commit().visibility(ao_, layout_.receivers.view(), visibility_.data());
+            if (set_.update(scene_.commit()).computed != layout_.receivers.size())
+                throw std::runtime_error(layout_.name + ": a frame is not computed from scratch");
         });
     }
-    const std::vector<float>& visibility() const { return visibility_; }
+    std::vector<float> visibility() const {
+        return {set_.visibility(), set_.visibility() + layout_.receivers.size()};
+    }
 
     // One instance after the other is moved on by a frame.
     void move_ones(const paper::Lab& lab, InstancesRow& row) {
         frame(0);
-        ReceiverSet set(context_.get(), ao_, layout_.receivers.view());
-        set.update(scene_.commit());
         const std::vector<Placement> next = layout_.placements(1);
         std::vector<double> seconds;
         const auto moves = static_cast<std::size_t>(lab.rounds(kMoves));
@@ -72,14 +74,15 @@ class Crowd {
             dfield_update_stats stats{};
             seconds.push_back(seconds_of([&] {
                 scene_.set_transform(ids_[moved], &next[moved].transform[0][0]);
-                stats = set.update(scene_.commit());
+                stats = set_.update(scene_.commit());
             }));
             row.moved_receivers += static_cast<double>(stats.computed) / static_cast<double>(moves);
         }
         std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
         row.moved_seconds = seconds[seconds.size() / 2];
-        scene_.commit().visibility(ao_, layout_.receivers.view(), visibility_.data());
-        if (std::memcmp(visibility_.data(), set.visibility(), visibility_.size() * sizeof(float)) != 0)
+        std::vector<float> queried(layout_.receivers.size());
+        scene_.commit().visibility(ao_, layout_.receivers.view(), queried.data());
+        if (std::memcmp(queried.data(), set_.visibility(), queried.size() * sizeof(float)) != 0)
             throw std::runtime_error(layout_.name + ": updates do not end with what a query of all gives");
     }
 
@@ -90,7 +93,7 @@ class Crowd {
     Ao ao_;
     Scene scene_;
     std::vector<dfield_instance> ids_;
-    std::vector<float> visibility_;
+    ReceiverSet set_;
 };
 
 InstancesRow measure_layout(const paper::Lab& lab, const Layout& layout) {

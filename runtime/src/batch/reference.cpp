@@ -56,7 +56,7 @@ void find_cells(Loaded& loaded) {
 }
 
 void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
-    facing.clusters = ~0u;
+    facing.clusters = ~0u >> (32 - slab.count / kClusterSize);  // those that the slab has
     for (std::size_t k = 0; k < slab.count; ++k)
         for (std::size_t b = 0; b < chunk.blocks; b += 16) facing.rows[k][b / 16] = 0xffff;
 }
