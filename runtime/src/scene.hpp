@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x3.hpp>
 #include <glm/vec3.hpp>
@@ -69,6 +71,26 @@ struct Instance {
 
     // For a ray in unit space.
     LeavingBox leaving_box(const glm::vec3& origin) const { return {origin, box_centre, box_half}; }
+};
+
+// How an instance lies to a receiver's tangent plane.
+struct PlaneSide {
+    bool behind;  // the object hides nothing
+    bool cut;     // a hit may lie behind the receiver; otherwise the whole object lies in front
+
+    // Planes that cut less than this deep into an object's box (in radii) count as touching it: rounding of
+    // positions and transforms must not turn contact into penetration.
+    static constexpr float kContact = 1e-4f;
+
+    // origin: the receiver in unit space.
+    PlaneSide(const Instance& instance, const glm::vec3& origin, const glm::vec3& world_normal) {
+        // Planes are carried by the transpose of the points' matrix.
+        const glm::vec3 n = world_normal * instance.to_world;
+        const float length = std::sqrt(glm::dot(n, n)), height = glm::dot(n, instance.box_centre - origin);
+        const float extent = glm::dot(glm::abs(n), instance.box_half);
+        behind = height + extent <= 0 || length - glm::dot(n, origin) <= 0;
+        cut = height - extent < -kContact * length;
+    }
 };
 
 // What queries read of a scene; they never change it. The live scene has one, every snapshot has one. Holds a

@@ -23,26 +23,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Tangent planes that cut less than this deep into an object's box (in radii) count as touching it: rounding
-// of positions and transforms must not turn contact into penetration.
-constexpr float kContactTolerance = 1e-4f;
-
 // Of each ray of a block: whether it is blocked, or its nearest hit so far.
 using Blocked = std::array<std::uint8_t, kRayBlock + kRayPadding>;
 using Nearest = std::array<float, kRayBlock>;
-
-// How an instance lies to a receiver's tangent plane.
-enum class Side { kBehind, kCutting, kInFront };
-
-Side side_of_plane(const Instance& instance, const glm::vec3& origin, const glm::vec3& world_normal) {
-    // Planes are carried by the transpose of the points' matrix.
-    const glm::vec3 n = world_normal * instance.to_world;
-    const float length = std::sqrt(glm::dot(n, n));
-    const float height = glm::dot(n, instance.box_centre - origin);
-    const float extent = glm::dot(glm::abs(n), instance.box_half);
-    if (height + extent <= 0 || length - glm::dot(n, origin) <= 0) return Side::kBehind;
-    return height - extent >= -kContactTolerance * length ? Side::kInFront : Side::kCutting;
-}
 
 // Whether any of a box lies in front of a receiver's tangent plane, or almost.
 bool reaches_front(const Box& box, const UnitReceiver& receiver) {
@@ -126,9 +109,9 @@ class ReceiverRays {
             const Instance& instance = scene_.instances[id];
             if (id == receiver_.owner) return;
             const glm::vec3 origin = instance.carry_point(receiver_.position);
-            const Side side = side_of_plane(instance, origin, receiver_.normal);
-            if (side == Side::kBehind) return;
-            const bool in_front = side == Side::kInFront;
+            const PlaneSide side(instance, origin, receiver_.normal);
+            if (side.behind) return;
+            const bool in_front = !side.cut;
             const dfield_kind kind = kind_for(ao_, *instance.field);
             if (kind == DFIELD_KIND_DIRECTIONS) return;  // batch/ answers for it
             if (kind == DFIELD_KIND_LINES)

@@ -12,8 +12,13 @@ namespace {
 
 static_assert(kMostLoaded == kChunkBlocks * kLanes);
 
-// Receivers of any layout.
-void load_strided(const dfield_receivers& receivers, std::size_t begin, Loaded& loaded) {
+bool packed(std::size_t stride) {
+    return stride == 0 || stride == 3 * sizeof(float);
+}
+
+}  // namespace
+
+void load_receivers(const dfield_receivers& receivers, std::size_t begin, Loaded& loaded) {
     const ReceiverReader reader(receivers);
     for (std::size_t i = 0; i < loaded.count; ++i) {
         const UnitReceiver receiver = reader[begin + i];
@@ -29,12 +34,6 @@ void load_strided(const dfield_receivers& receivers, std::size_t begin, Loaded& 
     }
 }
 
-bool packed(std::size_t stride) {
-    return stride == 0 || stride == 3 * sizeof(float);
-}
-
-}  // namespace
-
 void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers, std::size_t begin,
                  std::size_t end, Chunk& chunk, LaneOfReceiver& lane_of) {
     Loaded loaded;
@@ -42,7 +41,7 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
     if (packed(receivers.position_stride) && packed(receivers.normal_stride))
         kernels.load_packed(receivers.positions + 3 * begin, receivers.normals + 3 * begin, loaded);
     else
-        load_strided(receivers, begin, loaded);
+        load_receivers(receivers, begin, loaded);
     kernels.find_cells(loaded);
 
     std::array<std::uint16_t, kCells + 2> starts{};

@@ -9,10 +9,6 @@
 
 namespace dfield::runtime {
 
-// Tangent planes that cut less than this deep into an object's box (in radii) count as touching it: rounding
-// of positions and transforms must not turn contact into penetration.
-inline constexpr float kContactTolerance = 1e-4f;
-
 // A line's place in a direction's maps.
 struct MapPlace {
     std::uint32_t index;  // of the stored direction
@@ -72,17 +68,12 @@ inline ReceiverSide side_of_receiver(const DirectionCaster& caster, const glm::v
                                      const glm::vec3& normal) {
     const Instance& instance = caster.instance;
     const glm::vec3 origin = instance.carry_point(position);
-    // Planes are carried by the transpose of the points' matrix.
-    const glm::vec3 n(glm::dot(instance.to_world[0], normal), glm::dot(instance.to_world[1], normal),
-                      glm::dot(instance.to_world[2], normal));
-    const glm::vec3 away = instance.box_centre - origin, beside = glm::abs(away) - instance.box_half;
-    const float length = std::sqrt(glm::dot(n, n)), height = glm::dot(n, away);
-    const float extent = glm::dot(glm::abs(n), instance.box_half);
+    const PlaneSide plane(instance, origin, normal);
+    const glm::vec3 beside = glm::abs(instance.box_centre - origin) - instance.box_half;
     const float distance = glm::dot(origin, origin);
     const bool read = distance >= caster.from && distance < caster.to;
-    return {!read || height + extent <= 0 || length - glm::dot(n, origin) <= 0,
-            height - extent < -kContactTolerance * length,
-            std::max({beside.x, beside.y, beside.z}) < kNearBox, instance.leaving_box(origin)};
+    return {!read || plane.behind, plane.cut, std::max({beside.x, beside.y, beside.z}) < kNearBox,
+            instance.leaving_box(origin)};
 }
 
 }  // namespace dfield::runtime

@@ -140,7 +140,7 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
                   << i;
         const V length = hn::Sqrt(square);
         behind |= mask_bits(d, hn::Or(hn::Le(hn::Add(height, extent), zero), hn::Le(length, at_origin))) << i;
-        const V contact = hn::Mul(hn::Set(d, -kContactTolerance), length);
+        const V contact = hn::Mul(hn::Set(d, -PlaneSide::kContact), length);
         sides.cut |= static_cast<std::uint16_t>(mask_bits(d, hn::Lt(hn::Sub(height, extent), contact)) << i);
     }
     std::uint32_t active = chunk.lanes[block] & ~behind;

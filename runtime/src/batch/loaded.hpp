@@ -42,4 +42,7 @@ struct Loaded {
     }
 };
 
+// Receivers of any layout, from `begin` on, into loaded.count places: all but the cells.
+void load_receivers(const dfield_receivers& receivers, std::size_t begin, Loaded& loaded);
+
 }  // namespace dfield::runtime

@@ -5,7 +5,6 @@
 #include "batch/confirm.hpp"
 #include "batch/direction_lookup.hpp"
 #include "batch/loaded.hpp"
-#include "receivers.hpp"
 
 namespace dfield::runtime {
 namespace {
@@ -21,21 +20,10 @@ glm::vec3 direction_of(const SharedDirections& shared, std::size_t k) {
 }
 
 void load_packed(const float* positions, const float* normals, Loaded& loaded) {
-    for (std::size_t i = 0; i < loaded.count; ++i) {
-        const auto vec3 = [i](const float* values) {
-            return glm::vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-        };
-        const UnitReceiver receiver = unit_receiver(vec3(positions), vec3(normals), DFIELD_NO_INSTANCE);
-        loaded.x[i] = receiver.position.x;
-        loaded.y[i] = receiver.position.y;
-        loaded.z[i] = receiver.position.z;
-        loaded.nx[i] = receiver.normal.x;
-        loaded.ny[i] = receiver.normal.y;
-        loaded.nz[i] = receiver.normal.z;
-        if (!receiver.usable()) continue;
-        loaded.low = glm::min(loaded.low, receiver.position);
-        loaded.high = glm::max(loaded.high, receiver.position);
-    }
+    dfield_receivers receivers{};
+    receivers.positions = positions;
+    receivers.normals = normals;
+    load_receivers(receivers, 0, loaded);
 }
 
 void find_cells(Loaded& loaded) {
