@@ -73,10 +73,12 @@ std::vector<glm::vec3> fibonacci_sphere(std::uint32_t count) {
     std::vector<glm::vec3> directions;
     directions.reserve(count);
     const double golden = pi * (3 - std::sqrt(5.0));
-    for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t half = count / 2;
+    for (std::uint32_t i = 0; i < count - half; ++i) {
         const double z = 1 - (2.0 * i + 1) / count, radius = std::sqrt(1 - z * z);
         directions.emplace_back(radius * std::cos(golden * i), radius * std::sin(golden * i), z);
     }
+    for (std::uint32_t i = 0; i < half; ++i) directions.push_back(-directions[i]);
     return directions;
 }
 

@@ -32,8 +32,10 @@ std::vector<glm::vec3> map_directions(Mapping mapping, std::uint32_t map_size);
 // Malley's method.
 std::vector<glm::vec3> cosine_directions(std::uint32_t count);
 
-// `count` directions spread evenly over the whole sphere: the spherical Fibonacci points
-// z = 1 - (2i + 1) / count, azimuth i times the golden angle; in double, rounded once to float.
+// `count` directions spread evenly over the whole sphere, in opposite pairs: i < ceil(count / 2) the upper
+// half of the spherical Fibonacci points, z = 1 - (2i + 1) / count, azimuth i times the golden angle, in
+// double, rounded once to float; then these, as many as are left, negated. So a line's two ends are looked up
+// at once.
 std::vector<glm::vec3> fibonacci_sphere(std::uint32_t count);
 
 // `count` (a square) directions on the polar grid, as the paper's "uniform" ray sampling: even in theta and

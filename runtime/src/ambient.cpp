@@ -64,10 +64,13 @@ void require_receivers(const dfield_ao* ao, const dfield_receivers* receivers, c
             "the receivers' positions or normals are null");
 }
 
-// Visibility alone, by way of some floats on the stack.
+// Visibility alone: straight to where it goes, or by way of some floats on the stack.
 void write_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
                       std::size_t begin, std::size_t end, const OutputWriter& writer) {
     const Strided<const float> self(receivers.self_visibility, receivers.self_visibility_stride, 1);
+    if (const Strided<float>& visibility = writer.visibility_alone(); visibility && !self)
+        return receiver_visibility(scene, ao, receivers_from(receivers, begin, end - begin),
+                                   visibility.from(begin));
     std::array<float, kFloatBuffer> values;
     for (std::size_t first = begin; first < end; first += values.size()) {
         const std::size_t count = std::min(values.size(), end - first);

@@ -38,6 +38,10 @@ class OutputWriter {
     bool wants_visibility() const { return visibility_ || visibility8_; }
     bool wants_moments() const { return bent_normals_ || harmonics_; }
     const Strided<std::uint32_t>& masks() const { return masks_; }
+    // Where visibility goes as floats and nothing else is wanted; otherwise null.
+    Strided<float> visibility_alone() const {
+        return visibility8_ || masks_ || wants_moments() ? Strided<float>(nullptr, 0, 1) : visibility_;
+    }
 
     // Output i of a receiver. normal: unit, or zero for a receiver without a usable one. visibility: of the
     // receiver with its self-visibility. The mask goes to masks() only where it is not there already.

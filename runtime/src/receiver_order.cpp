@@ -2,7 +2,7 @@
 // together.
 #include <algorithm>
 #include <glm/common.hpp>
-#include <numeric>
+#include <span>
 
 #include "batch/chunk_builder.hpp"
 #include "receiver_set.hpp"
@@ -11,54 +11,67 @@
 namespace dfield::runtime {
 namespace {
 
-// Ten bits to every third place.
-constexpr std::uint32_t spread(std::uint32_t v) {
-    v = (v | v << 16) & 0x030000ff;
-    v = (v | v << 8) & 0x0300f00f;
-    v = (v | v << 4) & 0x030c30c3;
-    return (v | v << 2) & 0x09249249;
-}
-
 struct Place {
     std::uint32_t receiver;
     dfield_instance attached;
-    std::uint32_t side;    // which axis the normal is nearest to, and its sign
-    std::uint32_t morton;  // within the box of those that are attached alike
+    std::uint32_t side;  // which axis the normal is nearest to, and its sign
+    glm::vec3 position;
 };
+using Places = std::span<Place>;
 
-// Sorted by what they are attached to (nothing comes last), then along a Morton curve.
-std::pmr::vector<Place> sorted_places(const std::pmr::vector<SetReceiver>& receivers) {
+template<class Key>
+void sort_by(Places places, const Key& key) {
+    std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
+        return key(a) != key(b) ? key(a) < key(b) : a.receiver < b.receiver;
+    });
+}
+
+// Halves across the longest side of their box, at the multiple of `unit` nearest to the middle, until at most
+// `unit` are left: boxes of as many receivers as fit, each as small as can be.
+void halve(Places places, std::size_t unit) {
+    if (places.size() <= unit) return;
+    glm::vec3 low(INFINITY), high(-INFINITY);
+    for (const Place& place : places) {
+        low = glm::min(low, place.position);
+        high = glm::max(high, place.position);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t middle = std::max<std::size_t>(1, (places.size() + unit) / (2 * unit)) * unit;
+    std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(middle), places.end(),
+                     [axis](const Place& a, const Place& b) {
+                         return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis]
+                                                                     : a.receiver < b.receiver;
+                     });
+    halve(places.first(middle), unit);
+    halve(places.subspan(middle), unit);
+}
+
+std::pmr::vector<Place> usable_places(const std::pmr::vector<SetReceiver>& receivers) {
     std::pmr::vector<Place> places(receivers.get_allocator());
     places.reserve(receivers.size());
     for (std::uint32_t i = 0; i < receivers.size(); ++i) {
         if (!unit_receiver(receivers[i].position, receivers[i].normal, 0).usable()) continue;
         const glm::vec3 n = receivers[i].normal, size = glm::abs(n);
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        places.push_back({i, receivers[i].attached, static_cast<std::uint32_t>(2 * axis + (n[axis] < 0)), 0});
-    }
-    const auto by = [](auto key) {
-        return [key](const Place& a, const Place& b) { return key(a) < key(b); };
-    };
-    std::stable_sort(places.begin(), places.end(), by([](const Place& place) { return place.attached; }));
-    for (auto begin = places.begin(); begin != places.end();) {
-        const auto end = std::find_if(begin, places.end(),
-                                      [&](const Place& place) { return place.attached != begin->attached; });
-        glm::vec3 low(INFINITY), high(-INFINITY);
-        for (auto place = begin; place != end; ++place) {
-            low = glm::min(low, receivers[place->receiver].position);
-            high = glm::max(high, receivers[place->receiver].position);
-        }
-        const glm::vec3 extent = high - low;
-        const float side = std::max({extent.x, extent.y, extent.z}), scale = side > 0 ? 1023.99f / side : 0;
-        for (auto place = begin; place != end; ++place) {
-            const glm::vec3 cell = (receivers[place->receiver].position - low) * scale;
-            for (int axis = 0; axis < 3; ++axis)
-                place->morton |= spread(std::min(static_cast<std::uint32_t>(cell[axis]), 1023u)) << axis;
-        }
-        std::stable_sort(begin, end, by([](const Place& place) { return place.morton; }));
-        begin = end;
+        places.push_back({i, receivers[i].attached, static_cast<std::uint32_t>(2 * axis + (n[axis] < 0)),
+                          receivers[i].position});
     }
     return places;
+}
+
+// Receivers of one chunk: those that face alike together, in groups of sixteen blocks, in blocks.
+void order_chunk(Places places) {
+    sort_by(places, [](const Place& place) { return place.side; });
+    for (auto begin = places.begin(); begin != places.end();) {
+        const auto end =
+            std::find_if(begin, places.end(), [&](const Place& place) { return place.side != begin->side; });
+        constexpr std::size_t kGroup = 16 * kLanes;
+        halve({begin, end}, kGroup);
+        for (Places rest(begin, end); !rest.empty(); rest = rest.subspan(std::min(rest.size(), kGroup)))
+            halve(rest.first(std::min(rest.size(), kGroup)), kLanes);
+        begin = end;
+    }
 }
 
 }  // namespace
@@ -66,10 +79,16 @@ std::pmr::vector<Place> sorted_places(const std::pmr::vector<SetReceiver>& recei
 
 void dfield_receiver_set::arrange() {
     using namespace dfield::runtime;
-    std::pmr::vector<Place> places = sorted_places(receivers_);
+    std::pmr::vector<Place> places = usable_places(receivers_);
+    sort_by(places, [](const Place& place) { return place.attached; });  // to nothing: last
+    for (auto begin = places.begin(); begin != places.end();) {
+        const auto end = std::find_if(begin, places.end(),
+                                      [&](const Place& place) { return place.attached != begin->attached; });
+        halve({begin, end}, kChunkReceivers);
+        begin = end;
+    }
     std::size_t blocks = kChunkBlocks;  // used in the last chunk
     for (auto begin = places.begin(); begin != places.end();) {
-        // Receivers of one chunk that are attached alike, ordered so that those of a block face alike.
         if (blocks == kChunkBlocks) {
             chunks_.emplace_back();
             chunks_.back().receiver.fill(kNoReceiver);
@@ -80,7 +99,7 @@ void dfield_receiver_set::arrange() {
         auto end = std::find_if(begin, places.end(),
                                 [&](const Place& place) { return place.attached != begin->attached; });
         if (end - begin > room) end = begin + room;
-        std::stable_sort(begin, end, [](const Place& a, const Place& b) { return a.side < b.side; });
+        order_chunk({begin, end});
         SetChunk& chunk = chunks_.back();
         std::size_t lane = blocks * kLanes;
         for (auto place = begin; place != end; ++place) {
@@ -91,10 +110,11 @@ void dfield_receiver_set::arrange() {
         chunk.chunk.blocks = blocks;
         begin = end;
     }
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     for (SetChunk& chunk : chunks_) {
         chunk.moved = {};
         for (std::size_t block = 0; block < chunk.chunk.blocks; ++block) place_block(chunk, block, nullptr);
-        finish_chunk(chunk.chunk);
+        finish_chunk(kernels, chunk.chunk);
     }
 }
 
@@ -148,6 +168,7 @@ void dfield_receiver_set::place_block(SetChunk& set_chunk, std::size_t block, co
 
 void dfield_receiver_set::place_attached(const SceneState& now, const SceneChanges& changes) {
     using namespace dfield::runtime;
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     for (SetChunk& chunk : chunks_) {
         chunk.moved = {};
         for (std::size_t block = 0; block < chunk.chunk.blocks; ++block) {
@@ -156,6 +177,6 @@ void dfield_receiver_set::place_attached(const SceneState& now, const SceneChang
             if (changes.all || (attached < changes.changed.size() && changes.changed[attached]))
                 place_block(chunk, block, &now);
         }
-        if (chunk.moved != BlockSet{}) finish_chunk(chunk.chunk);
+        if (chunk.moved != BlockSet{}) finish_chunk(kernels, chunk.chunk);
     }
 }

@@ -18,18 +18,17 @@ void dfield_receiver_set::block_masks(std::size_t index, std::size_t block, std:
     std::fill_n(masks, kLanes * words, 0u);
     if (!last_) return;
     if (!batched_) return receiver_masks(last_->scene.state, *ao_, receivers.view, {masks, 0, words});
-    const SharedDirections& shared = ao_->shared;
-    for (std::size_t at = 0; at < shared.padded(); ++at) {
-        const ChunkMasks& blocked = slabs_[index * slab_count() + at / kSlab].masks;
-        const std::uint32_t ray = shared.ray[at];
-        if (ray == SharedDirections::kNoRay) continue;
-        const glm::vec3 w(shared.x[at], shared.y[at], shared.z[at]);
-        for (std::uint32_t bits = blocked.rows[at % kSlab][block] & chunk.lanes[block]; bits != 0;
-             bits &= bits - 1) {
-            const int lane = std::countr_zero(bits);
-            if (glm::dot(receivers.normals[lane], w) > 0)
-                masks[lane * words + (ray >> 5)] |= 1u << (ray & 31);
-        }
+    const std::size_t slabs = slab_count(ao_->shared);
+    for (std::size_t s = 0; s < slabs; ++s) {
+        const Slab slab(ao_->shared, s);
+        const ChunkMasks& blocked = slabs_[index * slabs + s].masks;
+        for (std::size_t k = 0; k < slab.count; ++k)
+            for (std::uint32_t bits = blocked.rows[k][block] & chunk.lanes[block]; bits != 0;
+                 bits &= bits - 1) {
+                const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+                const std::uint32_t ray = slab.faced_ray(k, receivers.normals[lane]);
+                if (ray != SharedDirections::kNoRay) masks[lane * words + (ray >> 5)] |= 1u << (ray & 31);
+            }
     }
 }
 

@@ -1,4 +1,4 @@
-// Sets of pairs of a direction and a block of receivers, as ChunkFacing holds them: which ones to ask about,
+// Sets of pairs of a line and a block of receivers, as BlockPairs holds them: which ones to ask about,
 // which ones an instance may block, which ones it did.
 #pragma once
 
@@ -14,24 +14,15 @@
 
 namespace dfield::runtime {
 
-inline glm::vec3 direction_of(const Slab& slab, std::size_t k) {
-    const std::size_t at = slab.first + k;
-    return {slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]};
-}
-
-inline std::size_t groups_of(const Chunk& chunk) {
-    return (chunk.blocks + 15) / 16;
-}
-
-// The pairs of `facing` that `keep`(k, group) lets through.
+// The pairs of `pairs` that `keep`(k, group) lets through.
 template<class Keep>
-void restrict_facing(const Chunk& chunk, const Slab& slab, const ChunkFacing& facing, const Keep& keep,
-                     ChunkFacing& result) {
+void restrict_pairs(const Chunk& chunk, const Slab& slab, const BlockPairs& pairs, const Keep& keep,
+                    BlockPairs& result) {
     result.clusters = 0;
     for (std::size_t k = 0; k < slab.count; ++k) {
         std::uint32_t any = 0;
-        for (std::size_t group = 0; group < groups_of(chunk); ++group)
-            any |= result.rows[k][group] = static_cast<std::uint16_t>(facing.rows[k][group] & keep(k, group));
+        for (std::size_t group = 0; group < chunk.groups(); ++group)
+            any |= result.rows[k][group] = static_cast<std::uint16_t>(pairs.rows[k][group] & keep(k, group));
         if (any != 0) result.clusters |= 1u << k / kClusterSize;
     }
 }
@@ -48,7 +39,7 @@ inline Ball ball_of(const glm::vec3& low, const glm::vec3& high) {
 // Of each sixteen blocks.
 inline std::array<Ball, kChunkBlocks / 16> group_balls(const Chunk& chunk) {
     std::array<Ball, kChunkBlocks / 16> balls;
-    for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+    for (std::size_t group = 0; group < chunk.groups(); ++group) {
         glm::vec3 low(INFINITY), high(-INFINITY);
         for (std::size_t b = 16 * group; b < std::min(16 * group + 16, chunk.blocks); ++b) {
             const glm::vec3 centre(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
@@ -61,7 +52,7 @@ inline std::array<Ball, kChunkBlocks / 16> group_balls(const Chunk& chunk) {
     return balls;
 }
 
-// Whether a line from a ball along a direction of the cluster may come near the caster. A line has no sense.
+// Whether a line of the cluster through a ball may come near the caster.
 inline bool may_meet(const Ball& ball, const DirectionCluster& cluster, const DirectionCaster& caster) {
     const glm::vec3 away = caster.centre - ball.centre;
     const float square = glm::dot(away, away), near = 1.001f * (caster.reach + ball.radius);
@@ -72,44 +63,44 @@ inline bool may_meet(const Ball& ball, const DirectionCluster& cluster, const Di
     return std::fabs(glm::dot(cluster.axis, away)) >= bound - 1e-4f * std::sqrt(square);
 }
 
-// Calls use(k) for the directions of some clusters.
+// Calls use(k) for the lines of some clusters.
 template<class Use>
-void for_directions(std::uint32_t clusters, const Use& use) {
+void for_lines(std::uint32_t clusters, const Use& use) {
     for (; clusters != 0; clusters &= clusters - 1) {
         const std::size_t first = std::countr_zero(clusters) * kClusterSize;
         for (std::size_t k = first; k < first + kClusterSize; ++k) use(k);
     }
 }
 
-// Of `facing`, the pairs with a line that may come near a caster: by clusters and groups of blocks.
-inline void find_near(const Chunk& chunk, const Slab& slab, const ChunkFacing& facing,
-                      std::span<const DirectionCaster> casters, ChunkFacing& result) {
+// Of `pairs`, the pairs with a line that may come near a caster: by clusters and groups of blocks.
+inline void find_near(const Chunk& chunk, const Slab& slab, const BlockPairs& pairs,
+                      std::span<const DirectionCaster> casters, BlockPairs& result) {
     const Ball whole = ball_of(chunk.low, chunk.high);
     const std::array<Ball, kChunkBlocks / 16> balls = group_balls(chunk);
     result.clusters = 0;
-    for (std::uint32_t rest = facing.clusters; rest != 0; rest &= rest - 1) {
+    for (std::uint32_t rest = pairs.clusters; rest != 0; rest &= rest - 1) {
         const auto c = static_cast<std::size_t>(std::countr_zero(rest));
         const DirectionCluster& cluster = slab.shared.clusters[slab.first / kClusterSize + c];
         std::uint32_t groups = 0;
         for (const DirectionCaster& caster : casters) {
             if (!may_meet(whole, cluster, caster)) continue;
-            for (std::size_t group = 0; group < groups_of(chunk); ++group)
+            for (std::size_t group = 0; group < chunk.groups(); ++group)
                 groups |= std::uint32_t{may_meet(balls[group], cluster, caster)} << group;
         }
         if (groups == 0) continue;
         result.clusters |= 1u << c;
         for (std::size_t k = c * kClusterSize; k < (c + 1) * kClusterSize; ++k)
-            for (std::size_t group = 0; group < groups_of(chunk); ++group)
-                result.rows[k][group] = groups >> group & 1 ? facing.rows[k][group] : std::uint16_t{0};
+            for (std::size_t group = 0; group < chunk.groups(); ++group)
+                result.rows[k][group] = groups >> group & 1 ? pairs.rows[k][group] : std::uint16_t{0};
     }
 }
 
 // Of `asked`, the words of the masks that are not 0.
-inline void find_touched(const Chunk& chunk, const ChunkFacing& asked, const ChunkMasks& masks,
-                         ChunkFacing& touched) {
+inline void find_touched(const Chunk& chunk, const BlockPairs& asked, const ChunkMasks& masks,
+                         BlockPairs& touched) {
     touched.clusters = asked.clusters;
-    for_directions(asked.clusters, [&](std::size_t k) {
-        for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+    for_lines(asked.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < chunk.groups(); ++group) {
             touched.rows[k][group] = 0;
             if (asked.rows[k][group] == 0) continue;
             const std::uint16_t* const words = &masks.rows[k][16 * group];
@@ -124,9 +115,9 @@ inline void find_touched(const Chunk& chunk, const ChunkFacing& asked, const Chu
 }
 
 // Takes out of `asked` the words that are all blocked.
-inline void keep_open(const Chunk& chunk, const ChunkMasks& masks, ChunkFacing& asked) {
-    for_directions(asked.clusters, [&](std::size_t k) {
-        for (std::size_t group = 0; group < groups_of(chunk); ++group) {
+inline void keep_open(const Chunk& chunk, const ChunkMasks& masks, BlockPairs& asked) {
+    for_lines(asked.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < chunk.groups(); ++group) {
             if (asked.rows[k][group] == 0) continue;
             std::uint32_t bits = 0;
             for (std::size_t i = 16 * group; i < 16 * group + 16; ++i)
@@ -138,15 +129,15 @@ inline void keep_open(const Chunk& chunk, const ChunkMasks& masks, ChunkFacing& 
 
 // Calls use(k, block) for touched words.
 template<class Use>
-void for_touched(const Chunk& chunk, const ChunkFacing& touched, const Use& use) {
-    for_directions(touched.clusters, [&](std::size_t k) {
-        for (std::size_t group = 0; group < groups_of(chunk); ++group)
+void for_touched(const Chunk& chunk, const BlockPairs& touched, const Use& use) {
+    for_lines(touched.clusters, [&](std::size_t k) {
+        for (std::size_t group = 0; group < chunk.groups(); ++group)
             for (std::uint32_t rest = touched.rows[k][group]; rest != 0; rest &= rest - 1)
                 use(k, 16 * group + std::countr_zero(rest));
     });
 }
 
-inline void clear(const Chunk& chunk, const ChunkFacing& touched, ChunkMasks& masks) {
+inline void clear(const Chunk& chunk, const BlockPairs& touched, ChunkMasks& masks) {
     for_touched(chunk, touched, [&](std::size_t k, std::size_t block) { masks.rows[k][block] = 0; });
 }
 

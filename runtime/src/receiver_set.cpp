@@ -47,10 +47,6 @@ dfield_receiver_set::~dfield_receiver_set() {
     ao_->release();
 }
 
-std::size_t dfield_receiver_set::slab_count() const {
-    return (ao_->shared.padded() + kSlab - 1) / kSlab;
-}
-
 SceneChanges dfield_receiver_set::changes_to(const SceneState& now, bool batched) const {
     SceneChanges changes(context());
     const SceneState* const before = last_ ? &last_->scene.state : nullptr;
@@ -119,7 +115,7 @@ void dfield_receiver_set::update(dfield_snapshot* snapshot, dfield_update_stats*
     require_kinds(*ao_, now);
     const bool batched = ao_->any_hit() && batch_share(now, *ao_) == BatchShare::kAll;
     const SceneChanges changes = changes_to(now, batched);
-    if (batched) slabs_.resize(chunks_.size() * slab_count());
+    if (batched) slabs_.resize(chunks_.size() * slab_count(ao_->shared));
     // From here on the old results are gone: should anything fail, the next update computes all.
     dfield_snapshot* const before = std::exchange(last_, nullptr);
     const auto release = [](dfield_snapshot* old) { dfield_snapshot_release(old); };

@@ -37,10 +37,10 @@ struct SetChunk {
     BlockSet moved;  // blocks that it placed anew
 };
 
-// What blocks a chunk's receivers, for one slab of directions.
+// What blocks a chunk's receivers, for one slab of lines.
 struct SlabMasks {
     ChunkMasks masks;
-    ChunkFacing facing;  // without the directions that the ground blocks
+    BlockPairs pairs;  // that the ground does not block altogether
 };
 
 // The block's receivers for a query; those that are nowhere get no normal.
@@ -85,7 +85,7 @@ struct UpdateScratch {
     explicit UpdateScratch(std::pmr::memory_resource* memory) : candidates(memory) {}
 
     ChunkMasks before{}, now{};
-    ChunkFacing before_touched, now_touched, still, again;
+    BlockPairs before_touched, now_touched, still, again, open;
     std::pmr::vector<std::pair<float, dfield_instance>> candidates;  // has room for all active instances
 };
 
@@ -120,7 +120,6 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     // receiver_set.cpp
     SceneChanges changes_to(const SceneState& now, bool batched) const;
     void find_casters(const SceneState* before, const SceneState& now, const SceneChanges& changes);
-    std::size_t slab_count() const;
     dfield::runtime::UpdateScratch* take_scratch(std::size_t instances);  // throws std::bad_alloc
     void give_scratch(dfield::runtime::UpdateScratch* scratch);
 

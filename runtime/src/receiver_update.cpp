@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "batch/ground.hpp"
 #include "receiver_pairs.hpp"
 #include "receiver_set.hpp"
 
@@ -29,10 +30,10 @@ void dfield_receiver_set::update_batched(std::size_t index, const SceneState& no
     for (std::size_t block = 0; block < chunk.chunk.blocks; ++block)
         if (changes.all || (chunk.moved[block / 16] >> block % 16 & 1))
             chunk.computed[block] = chunk.changed[block] = lanes_of(chunk, block);
-    for (std::size_t s = 0; s < slab_count(); ++s) {
-        const std::size_t first = s * kSlab;
-        const Slab slab{ao_->shared, first, std::min(kSlab, ao_->shared.padded() - first)};
-        update_slab(chunk, slabs_[index * slab_count() + s], slab, now, changes, scratch);
+    const std::size_t slabs = slab_count(ao_->shared);
+    for (std::size_t s = 0; s < slabs; ++s) {
+        const Slab slab(ao_->shared, s);
+        update_slab(chunk, slabs_[index * slabs + s], slab, now, changes, scratch);
     }
     store_visibility(chunk, index);
 }
@@ -45,31 +46,37 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     ChunkMasks& masks = state.masks;
     const bool moved = set_chunk.moved != BlockSet{};
     if (changes.all || moved) {
-        kernels.find_facing(chunk, slab, state.facing);
-        // What the ground blocks needs no caster.
-        if (now.ground)
-            restrict_facing(
-                chunk, slab, state.facing,
-                [&](std::size_t k, std::size_t) {
-                    return glm::dot(now.ground->normal, direction_of(slab, k)) < 0 ? 0 : 0xffff;
-                },
-                state.facing);
+        kernels.find_pairs(chunk, slab, state.pairs);
+        if (now.ground) {  // what it blocks needs no caster
+            kernels.add_ground(*now.ground, slab, chunk, scratch.now);
+            keep_open(chunk, scratch.now, state.pairs);
+            scratch.now.clear(chunk, slab.count);
+        }
     }
-    const auto add_active = [&](const ChunkFacing& facing) {
-        if (now.ground) add_ground(*now.ground, slab, chunk, masks);
-        for (const dfield_instance id : now.active)
-            kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, facing, masks);
+    // Near ones first: what they block altogether, the others need not be asked about.
+    const auto add_active = [&](BlockPairs& pairs) {
+        if (now.ground) kernels.add_ground(*now.ground, slab, chunk, masks);
+        const glm::vec3 middle = 0.5f * (chunk.low + chunk.high);
+        scratch.candidates.clear();
+        for (const dfield_instance id : now.active) {
+            const glm::vec3 away = reaches_[id].centre - middle;
+            scratch.candidates.emplace_back(glm::dot(away, away), id);
+        }
+        std::sort(scratch.candidates.begin(), scratch.candidates.end());
+        for (const auto& [distance, id] : scratch.candidates)
+            kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks);
     };
     if (changes.all) {
         masks.clear(chunk, slab.count);
-        return add_active(state.facing);
+        scratch.again = state.pairs;
+        return add_active(scratch.again);
     }
     const auto restrict_to = [&](std::uint16_t flip) {
-        restrict_facing(
-            chunk, slab, state.facing,
+        restrict_pairs(
+            chunk, slab, state.pairs,
             [&](std::size_t, std::size_t group) { return set_chunk.moved[group] ^ flip; }, scratch.still);
     };
-    const ChunkFacing* still = &state.facing;
+    const BlockPairs* still = &state.pairs;
     if (moved) {
         restrict_to(0xffff);
         still = &scratch.still;
@@ -77,15 +84,20 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
 
     // What changed instances blocked is taken out.
     const auto add_changed = [&](std::span<const DirectionCaster> casters, ChunkMasks& found,
-                                 ChunkFacing& touched) {
+                                 BlockPairs& touched) {
+        touched.clusters = 0;
+        if (scratch.again.clusters == 0) return;
+        scratch.open = scratch.again;
         for (const DirectionCaster& caster : casters)
-            kernels.add_caster(caster, slab, chunk, scratch.again, found);
+            kernels.add_caster(caster, slab, chunk, scratch.open, found);
         find_touched(chunk, scratch.again, found, touched);
     };
     find_near(chunk, slab, *still, casters_before_, scratch.again);
     add_changed(casters_before_, scratch.before, scratch.before_touched);
     for_touched(chunk, scratch.before_touched, [&](std::size_t k, std::size_t block) {
-        masks.rows[k][block] &= static_cast<std::uint16_t>(~scratch.before.rows[k][block]);
+        const std::uint16_t taken = scratch.before.rows[k][block];
+        masks.rows[k][block] &= static_cast<std::uint16_t>(~taken);
+        if (now.ground) masks.rows[k][block] |= facing_ground(*now.ground, slab, k, chunk, block) & taken;
     });
     // What they block now is put in, where not all is blocked anyway.
     find_near(chunk, slab, *still, casters_now_, scratch.again);
@@ -100,7 +112,7 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     });
     // What is left may still be blocked by others.
     scratch.again.clusters = 0;
-    for_directions(scratch.before_touched.clusters, [&](std::size_t k) { scratch.again.rows[k].fill(0); });
+    for_lines(scratch.before_touched.clusters, [&](std::size_t k) { scratch.again.rows[k].fill(0); });
     for_touched(chunk, scratch.before_touched, [&](std::size_t k, std::size_t block) {
         if ((scratch.before.rows[k][block] & ~masks.rows[k][block]) == 0) return;
         scratch.again.rows[k][block / 16] |= static_cast<std::uint16_t>(1u << block % 16);
@@ -136,15 +148,15 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
         Ball ball;
         std::uint32_t k;
     };
-    ChunkFacing& pairs = scratch.again;
+    BlockPairs& pairs = scratch.again;
     std::array<Prism, kSlab> prisms;
     std::array<float, kSlab> x, y, z;  // their directions
     std::array<std::uint8_t, kSlab> pass;
     std::size_t count = 0;
     glm::vec3 axis(0), low(INFINITY), high(-INFINITY);
-    for_directions(pairs.clusters, [&](std::size_t k) {
+    for_lines(pairs.clusters, [&](std::size_t k) {
         glm::vec3 prism_low(INFINITY), prism_high(-INFINITY);
-        for (std::size_t group = 0; group < groups_of(chunk); ++group)
+        for (std::size_t group = 0; group < chunk.groups(); ++group)
             for (std::uint32_t rest = pairs.rows[k][group]; rest != 0; rest &= rest - 1) {
                 const std::size_t b = 16 * group + std::countr_zero(rest);
                 const glm::vec3 centre(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
@@ -153,7 +165,7 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
                 prism_high = glm::max(prism_high, centre + half);
             }
         if (!(prism_low.x <= prism_high.x)) return;
-        const glm::vec3 w = direction_of(slab, k);
+        const glm::vec3 w = slab.direction(k);
         x[count] = w.x, y[count] = w.y, z[count] = w.z;
         prisms[count++] = {ball_of(prism_low, prism_high), static_cast<std::uint32_t>(k)};
         axis += w;
@@ -227,7 +239,7 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
             std::uint32_t open = 1;
             if (pairs.clusters >> k / kClusterSize & 1) {
                 open = 0;
-                for (std::size_t group = 0; group < groups_of(chunk); ++group)
+                for (std::size_t group = 0; group < chunk.groups(); ++group)
                     for (std::uint32_t rest = pairs.rows[k][group]; rest != 0; rest &= rest - 1) {
                         const std::size_t b = 16 * group + std::countr_zero(rest);
                         if (scratch.before.rows[k][b] & ~masks.rows[k][b])
@@ -254,10 +266,10 @@ void dfield_receiver_set::store_visibility(const SetChunk& set_chunk, std::size_
     alignas(64) std::array<float, kChunkReceivers> values;
     std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
     const BatchKernels& kernels = batch_kernels(context()->simd_targets);
-    for (std::size_t s = 0; s < slab_count(); ++s) {
-        const std::size_t first = s * kSlab;
-        const Slab slab{ao_->shared, first, std::min(kSlab, ao_->shared.padded() - first)};
-        kernels.add_occluded(slab, chunk, slabs_[index * slab_count() + s].masks, values.data());
+    const std::size_t slabs = slab_count(ao_->shared);
+    for (std::size_t s = 0; s < slabs; ++s) {
+        const Slab slab(ao_->shared, s);
+        kernels.add_occluded(slab, chunk, slabs_[index * slabs + s].masks, values.data());
     }
     kernels.finish_visibility(ao_->shared, chunk, values.data());
     for (std::size_t b = 0; b < chunk.blocks; ++b) {

@@ -28,16 +28,16 @@ DFIELD_OWN_FRAME void for_slabs(const SceneState& scene, const dfield_ao& ao, co
                                 const Consume& consume) {
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
     ChunkMasks masks;
-    ChunkFacing facing;
-    for (std::size_t first = 0; first < ao.shared.padded(); first += kSlab) {
-        const Slab slab{ao.shared, first, std::min(kSlab, ao.shared.padded() - first)};
+    BlockPairs pairs;
+    for (std::size_t s = 0; s < slab_count(ao.shared); ++s) {
+        const Slab slab(ao.shared, s);
         masks.clear(chunk, slab.count);
-        kernels.find_facing(chunk, slab, facing);
-        if (scene.ground) add_ground(*scene.ground, slab, chunk, masks);
+        kernels.find_pairs(chunk, slab, pairs);
+        if (scene.ground) kernels.add_ground(*scene.ground, slab, chunk, masks);
         for (const dfield_instance id : scene.active) {
             const Instance& instance = scene.instances[id];
             if (kind_for(ao, *instance.field) == DFIELD_KIND_DIRECTIONS)
-                kernels.add_caster(direction_caster(ao, instance, id), slab, chunk, facing, masks);
+                kernels.add_caster(direction_caster(ao, instance, id), slab, chunk, pairs, masks);
         }
         consume(slab, masks);
     }
@@ -51,15 +51,15 @@ DFIELD_OWN_FRAME void for_distance_slabs(const SceneState& scene, const Distance
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
     ChunkOcclusion occlusion;
     ChunkMasks masks;
-    ChunkFacing facing;
-    for (std::size_t first = 0; first < ao.shared.padded(); first += kSlab) {
-        const Slab slab{ao.shared, first, std::min(kSlab, ao.shared.padded() - first)};
+    BlockPairs pairs;
+    for (std::size_t s = 0; s < slab_count(ao.shared); ++s) {
+        const Slab slab(ao.shared, s);
         for (std::size_t k = 0; k < slab.count; ++k) occlusion.rows[k].fill(0);
-        kernels.find_facing(chunk, slab, facing);
+        kernels.find_pairs(chunk, slab, pairs);
         if (scene.ground) add_ground_distances(*scene.ground, rule, slab, chunk, occlusion);
         for (const dfield_instance id : scene.active)
             add_caster_distances(kernels, direction_caster(ao, scene.instances[id], id), rule, slab, chunk,
-                                 facing, masks, occlusion);
+                                 pairs, masks, occlusion);
         consume(slab, occlusion);
     }
 }
@@ -79,14 +79,12 @@ void for_chunks(const BatchKernels& kernels, const dfield_receivers& receivers, 
     }
 }
 
-// Calls mark(lane, ray) for a blocked pair that counts: a real ray that the receiver faces.
+// Calls mark(lane, ray) for a blocked pair of a line and a receiver, if there is a ray at the end that it
+// faces.
 template<class Mark>
-void mark_facing(const Slab& slab, const Chunk& chunk, std::size_t k, std::size_t lane, const Mark& mark) {
-    const std::size_t at = slab.first + k;
-    const std::uint32_t ray = slab.shared.ray[at];
-    if (ray == SharedDirections::kNoRay) return;
-    const glm::vec3 w(slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]);
-    if (glm::dot(glm::vec3(chunk.nx[lane], chunk.ny[lane], chunk.nz[lane]), w) > 0) mark(lane, ray);
+void mark_faced(const Slab& slab, const Chunk& chunk, std::size_t k, std::size_t lane, const Mark& mark) {
+    const std::uint32_t ray = slab.faced_ray(k, chunk.normal(lane));
+    if (ray != SharedDirections::kNoRay) mark(lane, ray);
 }
 
 // Of `M`, by how much it stretches at most; exact for rotation times even scale.
@@ -127,15 +125,6 @@ DirectionCaster direction_caster(const dfield_ao& ao, const Instance& instance, 
             choose ? std::span<const DirectionMaps>(levels) : std::span<const DirectionMaps>(),
             field.level_disagreement.data(),
             ao.level_error};
-}
-
-void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks) {
-    for (std::size_t k = 0; k < slab.count; ++k) {
-        const std::size_t at = slab.first + k;
-        const glm::vec3 ray(slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]);
-        if (!(glm::dot(ground.normal, ray) < 0)) continue;
-        std::copy_n(chunk.lanes.begin(), chunk.blocks, masks.rows[k].begin());
-    }
 }
 
 void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
@@ -180,7 +169,7 @@ void batch_masks(const SceneState& scene, const dfield_ao& ao, const dfield_rece
                         for (std::size_t b = 0; b < chunk.blocks; ++b)
                             for (std::uint32_t bits = blocked.rows[k][b] & chunk.lanes[b]; bits != 0;
                                  bits &= bits - 1)
-                                mark_facing(slab, chunk, k, b * kLanes + std::countr_zero(bits), mark);
+                                mark_faced(slab, chunk, k, b * kLanes + std::countr_zero(bits), mark);
                 });
             else
                 for_distance_slabs(
@@ -188,7 +177,7 @@ void batch_masks(const SceneState& scene, const dfield_ao& ao, const dfield_rece
                         for (std::size_t k = 0; k < slab.count; ++k)
                             for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
                                 if (occlusion.rows[k][i] != 0 && (chunk.lanes[i / kLanes] >> i % kLanes & 1))
-                                    mark_facing(slab, chunk, k, i, mark);
+                                    mark_faced(slab, chunk, k, i, mark);
                     });
         });
 }

@@ -21,9 +21,6 @@ namespace dfield::runtime {
 // The caster that an instance is for these settings; the instance's field has direction maps.
 DirectionCaster direction_caster(const dfield_ao& ao, const Instance& instance, dfield_instance id);
 
-// Ors into the masks what the ground blocks.
-void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks);
-
 // For which instances of a scene batches answer these settings.
 enum class BatchShare { kNone, kSome, kAll };
 BatchShare batch_share(const SceneState& scene, const dfield_ao& ao);

@@ -1,11 +1,12 @@
 // What the kernels of batches share: receivers in blocks of sixteen, blocks in chunks, and a mask word of
-// sixteen receivers for each direction and block.
+// sixteen receivers for each line and block.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
@@ -20,7 +21,7 @@ namespace dfield::runtime {
 
 inline constexpr std::size_t kLanes = 16;         // receivers in a block
 inline constexpr std::size_t kChunkBlocks = 128;  // blocks in a chunk; a multiple of kLanes
-inline constexpr std::size_t kSlab = 512;         // directions at a time
+inline constexpr std::size_t kSlab = 256;         // lines at a time
 
 // Receivers of a chunk. Lanes without a receiver repeat one; blocks beyond `blocks`, up to a multiple of
 // kLanes, have boxes that nothing meets.
@@ -38,32 +39,63 @@ struct Chunk {
     // Of all boxes, and of sixteen blocks together.
     glm::vec3 low, high;
     std::array<glm::vec3, kChunkBlocks / 16> group_low, group_high;
+    // Blocks in which a lane has no receiver, or one with an owner.
+    std::array<std::uint16_t, kChunkBlocks / 16> irregular;
+    // Blocks whose normals are all the same, and the axis too: floors, walls.
+    std::array<std::uint16_t, kChunkBlocks / 16> flat;
+
+    std::size_t groups() const { return (blocks + 15) / 16; }
+    // Bits of the blocks that group `g` has.
+    std::uint16_t blocks_of_group(std::size_t g) const {
+        return static_cast<std::uint16_t>((1u << std::min<std::size_t>(16, blocks - 16 * g)) - 1);
+    }
+    glm::vec3 position(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+    glm::vec3 normal(std::size_t lane) const { return {nx[lane], ny[lane], nz[lane]}; }
 };
 
-// Of each direction of a slab, in cluster order, and each block: which receivers are blocked. Direction by
-// direction, so that one direction's map meets all blocks while it is in registers. Bits of receivers that do
-// not face the direction, and of lanes without a receiver, mean nothing.
+// Of each line of a slab, in cluster order, and each block: for which receivers the end that they face is
+// blocked. Line by line, so that one direction's map meets all blocks while it is in registers. Bits of lanes
+// without a receiver mean nothing.
 struct ChunkMasks {
     alignas(64) std::array<std::array<std::uint16_t, kChunkBlocks>, kSlab> rows;
 
-    // Nothing blocked yet in directions [0, directions).
-    void clear(const Chunk& chunk, std::size_t directions) {
-        for (std::size_t k = 0; k < directions; ++k)
+    // Nothing blocked yet in lines [0, lines).
+    void clear(const Chunk& chunk, std::size_t lines) {
+        for (std::size_t k = 0; k < lines; ++k)
             std::fill_n(rows[k].begin(), (chunk.blocks + 15) / 16 * 16, std::uint16_t{0});
     }
 };
 
-// Of each direction of a slab: which blocks have a receiver that faces it; 16 blocks a word.
-struct ChunkFacing {
+// Pairs of a line of a slab and a block; 16 blocks a word.
+struct BlockPairs {
     alignas(64) std::array<std::array<std::uint16_t, kChunkBlocks / 16>, kSlab> rows;
-    std::uint32_t clusters = 0;  // bit c: any block faces a direction of cluster c of the slab
+    std::uint32_t clusters =
+        0;  // bit c: any line of cluster c of the slab; other clusters' rows mean nothing
 };
 
-// Directions [first, first + count) in cluster order; both multiples of kClusterSize, count at most kSlab.
+// Lines [first, first + count) in cluster order; both multiples of kClusterSize, count at most kSlab.
 struct Slab {
     const SharedDirections& shared;
     std::size_t first, count;
+
+    Slab(const SharedDirections& directions, std::size_t index)
+        : shared(directions), first(index * kSlab), count(std::min(kSlab, directions.lines() - first)) {}
+
+    glm::vec3 direction(std::size_t k) const { return shared.direction(first + k); }
+    // The end of line k that a receiver faces: 0 or 1, as SharedDirections says; and the direction towards
+    // it.
+    int faced_end(std::size_t k, const glm::vec3& normal) const { return glm::dot(normal, direction(k)) < 0; }
+    // Index of that direction in the caller's order; kNoRay where there is none, or the receiver faces
+    // neither.
+    std::uint32_t faced_ray(std::size_t k, const glm::vec3& normal) const {
+        const float cosine = glm::dot(normal, direction(k));
+        return cosine != 0 ? shared.ray[cosine < 0][first + k] : SharedDirections::kNoRay;
+    }
+    glm::vec3 towards(std::size_t k, int end) const { return end ? -direction(k) : direction(k); }
 };
+inline std::size_t slab_count(const SharedDirections& shared) {
+    return (shared.lines() + kSlab - 1) / kSlab;
+}
 
 // An instance whose field has direction maps.
 struct DirectionCaster {
@@ -112,16 +144,27 @@ void for_levels(const DirectionCaster& caster, const LookUp& look_up) {
 
 // The kernels, one form a level of SIMD; reference.cpp has the one that reads like the method.
 struct Loaded;
+// The box of a block, without slack, and the cone of its normals: n.axis >= cosine, 1 exactly where all are
+// the same and the axis too.
+struct BlockBounds {
+    glm::vec3 low, high, axis;
+    float cosine;
+};
+inline constexpr float kLargestCosine = 0.99999994f;  // below 1, where normals differ
 struct BatchKernels {
     // Packed receivers into loaded.count places: all but its cells.
     void (*load_packed)(const float* positions, const float* normals, Loaded& loaded);
     void (*find_cells)(Loaded& loaded);
-    // Which blocks face which directions.
-    void (*find_facing)(const Chunk& chunk, const Slab& slab, ChunkFacing& facing);
-    // Ors into the masks the pairs that the caster blocks.
-    void (*add_caster)(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                       const ChunkFacing& facing, ChunkMasks& masks);
-    // Adds weight * max(0, n.w) of blocked pairs to occluded[receiver].
+    BlockBounds (*bound_block)(const Chunk& chunk, std::size_t block);
+    // The pairs where some receiver faces an end that has a ray.
+    void (*find_pairs)(const Chunk& chunk, const Slab& slab, BlockPairs& pairs);
+    // Ors into the masks what the ground's half-space blocks.
+    void (*add_ground)(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks);
+    // Ors into the masks what the caster blocks, of the pairs asked about. Takes pairs out that are blocked
+    // altogether, some of them: the next caster need not be asked about them.
+    void (*add_caster)(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
+                       ChunkMasks& masks);
+    // Adds weight * |n.w| of blocked ends to occluded[receiver].
     void (*add_occluded)(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded);
     // Of sums of all slabs, in place: visibility, 1 - occluded / SharedDirections::total.
     void (*finish_visibility)(const SharedDirections& shared, const Chunk& chunk, float* values);

@@ -12,6 +12,29 @@ namespace {
 
 static_assert(kMostLoaded == kChunkBlocks * kLanes);
 
+// Cells of a side in the order of a Hilbert curve, whose neighbours all touch: a block's box stays small,
+// where the Morton order of the cells' own numbers jumps.
+constexpr std::array<std::uint8_t, 1 << 2 * kCellBits> hilbert_order() {
+    std::array<std::uint8_t, 1 << 2 * kCellBits> order{};
+    for (std::uint32_t at = 0; at < order.size(); ++at) {
+        std::uint32_t x = 0, y = 0, rest = at;
+        for (std::uint32_t side = 1; side < 1u << kCellBits; side *= 2, rest /= 4) {
+            const std::uint32_t right = rest / 2 & 1, up = (rest ^ right) & 1;
+            if (!up) {  // turned, and mirrored in the last quarter
+                if (right) x = side - 1 - x, y = side - 1 - y;
+                const std::uint32_t swap = x;
+                x = y;
+                y = swap;
+            }
+            x += side * right;
+            y += side * up;
+        }
+        order[at] = static_cast<std::uint8_t>(spread(x) << 1 | spread(y));
+    }
+    return order;
+}
+constexpr auto kHilbert = hilbert_order();
+
 bool packed(std::size_t stride) {
     return stride == 0 || stride == 3 * sizeof(float);
 }
@@ -44,12 +67,16 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
         load_receivers(receivers, begin, loaded);
     kernels.find_cells(loaded);
 
-    std::array<std::uint16_t, kCells + 2> starts{};
-    for (std::size_t i = 0; i < count; ++i) ++starts[loaded.cells[i] + 1u];
+    std::array<std::uint16_t, kCells + 1> starts{};
+    for (std::size_t i = 0; i < count; ++i) ++starts[loaded.cells[i]];
     // The sum in a register: through the array each step would wait for the one before to be stored.
-    std::uint16_t sum = 0;
-    for (std::size_t cell = 0; cell < kCells; ++cell) starts[cell + 1] = sum += starts[cell + 1];
-    const std::size_t usable = starts[kCells];
+    std::uint16_t usable = 0;
+    for (std::size_t side = 0; side < kCells; side += kHilbert.size())
+        for (const std::uint8_t cell : kHilbert) {
+            const std::uint16_t here = starts[side + cell];
+            starts[side + cell] = usable;
+            usable += here;
+        }
     chunk.blocks = (usable + kLanes - 1) / kLanes;
     chunk.any_owner = receivers.owners != nullptr;
     for (std::size_t i = 0; i < count; ++i) {
@@ -77,22 +104,24 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
     for (std::size_t lane = usable; lane < chunk.blocks * kLanes; ++lane)
         for (auto* axis : {&chunk.x, &chunk.y, &chunk.z, &chunk.nx, &chunk.ny, &chunk.nz})
             (*axis)[lane] = (*axis)[usable - 1];
-    finish_chunk(chunk);
+    finish_chunk(kernels, chunk);
 }
 
-void finish_chunk(Chunk& chunk) {
+void finish_chunk(const BatchKernels& kernels, Chunk& chunk) {
     chunk.low = glm::vec3(INFINITY);
     chunk.high = glm::vec3(-INFINITY);
     chunk.group_low.fill(chunk.low);
     chunk.group_high.fill(chunk.high);
+    chunk.irregular.fill(0);
+    chunk.flat.fill(0);
     for (std::size_t b = 0; b < chunk.blocks; ++b) {
-        glm::vec3 low(INFINITY), high(-INFINITY), axis(0);
-        for (std::size_t i = b * kLanes; i < (b + 1) * kLanes; ++i) {
-            const glm::vec3 p(chunk.x[i], chunk.y[i], chunk.z[i]);
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-            axis += glm::vec3(chunk.nx[i], chunk.ny[i], chunk.nz[i]);
-        }
+        const auto [low, high, axis, cosine] = kernels.bound_block(chunk, b);
+        if (cosine == 1) chunk.flat[b / 16] |= static_cast<std::uint16_t>(1u << b % 16);
+        const auto owners = chunk.owners.begin() + static_cast<std::ptrdiff_t>(b * kLanes);
+        if (chunk.lanes[b] != 0xffff ||
+            (chunk.any_owner && std::any_of(owners, owners + kLanes,
+                                            [](dfield_instance id) { return id != DFIELD_NO_INSTANCE; })))
+            chunk.irregular[b / 16] |= static_cast<std::uint16_t>(1u << b % 16);
         // Boxes are enough larger than their receivers for what rounding does to texel coordinates.
         const glm::vec3 farthest = glm::max(glm::abs(low), glm::abs(high));
         const float slack = 1e-6f * std::max({farthest.x, farthest.y, farthest.z});
@@ -107,14 +136,6 @@ void finish_chunk(Chunk& chunk) {
         chunk.high = glm::max(chunk.high, centre + half);
         chunk.group_low[b / 16] = glm::min(chunk.group_low[b / 16], centre - half);
         chunk.group_high[b / 16] = glm::max(chunk.group_high[b / 16], centre + half);
-        const float length = glm::length(axis);
-        float cosine = -1;
-        if (length > 0) {
-            axis /= length;
-            cosine = 1;
-            for (std::size_t i = b * kLanes; i < (b + 1) * kLanes; ++i)
-                cosine = std::min(cosine, axis.x * chunk.nx[i] + axis.y * chunk.ny[i] + axis.z * chunk.nz[i]);
-        }
         chunk.axis_x[b] = axis.x;
         chunk.axis_y[b] = axis.y;
         chunk.axis_z[b] = axis.z;

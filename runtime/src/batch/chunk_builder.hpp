@@ -16,6 +16,6 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
                  std::size_t end, Chunk& chunk, LaneOfReceiver& lane_of);
 
 // Boxes and normal cones of the blocks, from their lanes; lanes without a receiver repeat one that is.
-void finish_chunk(Chunk& chunk);
+void finish_chunk(const BatchKernels& kernels, Chunk& chunk);
 
 }  // namespace dfield::runtime

@@ -13,7 +13,7 @@ namespace dfield::runtime {
 // Blocks at a time: a byte a pair fits where masks have a bit.
 inline constexpr std::size_t kDistanceBlocks = 16;
 
-// Of each direction of a slab and each receiver of a chunk of at most kDistanceBlocks: the occlusion, times
+// Of each line of a slab and each receiver of a chunk of at most kDistanceBlocks: the occlusion, times
 // 255, rounded; of several casters the largest, since none gives more than its nearest hit.
 struct ChunkOcclusion {
     std::array<std::array<std::uint8_t, kDistanceBlocks * kLanes>, kSlab> rows;
@@ -34,10 +34,10 @@ void add_ground_distances(const Plane& ground, const DistanceRule& rule, const S
 
 // `masks` is working memory.
 void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster,
-                          const DistanceRule& rule, const Slab& slab, const Chunk& chunk,
-                          const ChunkFacing& facing, ChunkMasks& masks, ChunkOcclusion& occlusion);
+                          const DistanceRule& rule, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
+                          ChunkMasks& masks, ChunkOcclusion& occlusion);
 
-// Adds weight * max(0, n.w) * occlusion of all pairs to occluded[receiver].
+// Adds weight * |n.w| * occlusion of all pairs to occluded[receiver].
 void add_occlusion(const Slab& slab, const Chunk& chunk, const ChunkOcclusion& occlusion, float* occluded);
 
 }  // namespace dfield::runtime

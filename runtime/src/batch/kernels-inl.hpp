@@ -26,32 +26,85 @@ HWY_INLINE std::uint32_t for_sixteen(F d, const Bits& bits) {
     return result;
 }
 
-inline void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
-    const F d;
+// Of sixteen blocks from `first` on: those with a receiver before a plane through it across the line, and
+// those with one behind.
+struct BlocksFacing {
+    std::uint32_t front, back;
+};
+HWY_INLINE BlocksFacing blocks_facing(F d, const Chunk& chunk, std::size_t first, const glm::vec3& w) {
     constexpr float kMargin = 1e-5f;  // rounding must not lose a receiver at its own horizon
-    facing.clusters = 0;
+    const V x = hn::Set(d, w.x), y = hn::Set(d, w.y), z = hn::Set(d, w.z), margin = hn::Set(d, kMargin);
+    BlocksFacing result{0, 0};
+    for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+        const V cosine = hn::MulAdd(x, hn::Load(d, &chunk.axis_x[first + i]),
+                                    hn::MulAdd(y, hn::Load(d, &chunk.axis_y[first + i]),
+                                               hn::Mul(z, hn::Load(d, &chunk.axis_z[first + i]))));
+        const V sine = hn::Add(hn::Load(d, &chunk.sine[first + i]), margin);
+        result.front |= mask_bits(d, hn::Gt(hn::Add(cosine, sine), hn::Zero(d))) << i;
+        result.back |= mask_bits(d, hn::Lt(hn::Sub(cosine, sine), hn::Zero(d))) << i;
+    }
+    return result;
+}
+
+// Of a block: the receivers before a plane through them across `w`.
+HWY_INLINE std::uint32_t receivers_facing(F d, const Chunk& chunk, std::size_t block, const glm::vec3& w) {
+    return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
+        const std::size_t lane = block * kLanes + i;
+        const V cosine = hn::MulAdd(hn::Set(d, w.x), hn::Load(d, &chunk.nx[lane]),
+                                    hn::MulAdd(hn::Set(d, w.y), hn::Load(d, &chunk.ny[lane]),
+                                               hn::Mul(hn::Set(d, w.z), hn::Load(d, &chunk.nz[lane]))));
+        return mask_bits(d, hn::Gt(cosine, hn::Zero(d)));
+    });
+}
+
+inline void find_pairs(const Chunk& chunk, const Slab& slab, BlockPairs& pairs) {
+    const F d;
+    if (!slab.shared.one_sided) {
+        auto& all = pairs.rows[0];
+        for (std::size_t g = 0; g < chunk.groups(); ++g) all[g] = chunk.blocks_of_group(g);
+        for (std::size_t k = 1; k < slab.count; ++k) pairs.rows[k] = all;
+        pairs.clusters = ~0u >> (32 - slab.count / kClusterSize);
+        return;
+    }
+    pairs.clusters = 0;
     for (std::size_t k = 0; k < slab.count; ++k) {
-        const std::size_t at = slab.first + k;
-        const V x = hn::Set(d, slab.shared.x[at]), y = hn::Set(d, slab.shared.y[at]),
-                z = hn::Set(d, slab.shared.z[at]);
+        const bool front = slab.shared.ray[0][slab.first + k] != SharedDirections::kNoRay,
+                   back = slab.shared.ray[1][slab.first + k] != SharedDirections::kNoRay;
         std::uint32_t any = 0;
-        for (std::size_t b = 0; b < chunk.blocks; b += 16) {
-            const std::uint32_t bits = for_sixteen(d, [&](std::size_t i) HWY_ATTR {
-                const V cosine = hn::MulAdd(x, hn::Load(d, &chunk.axis_x[b + i]),
-                                            hn::MulAdd(y, hn::Load(d, &chunk.axis_y[b + i]),
-                                                       hn::Mul(z, hn::Load(d, &chunk.axis_z[b + i]))));
-                return mask_bits(
-                    d, hn::Gt(hn::Add(cosine, hn::Load(d, &chunk.sine[b + i])), hn::Set(d, -kMargin)));
-            });
-            facing.rows[k][b / 16] = static_cast<std::uint16_t>(bits);
+        for (std::size_t g = 0; g < chunk.groups(); ++g) {
+            std::uint32_t bits = chunk.blocks_of_group(g);
+            if (!(front && back)) {
+                const BlocksFacing facing = blocks_facing(d, chunk, 16 * g, slab.direction(k));
+                bits &= (front ? facing.front : 0) | (back ? facing.back : 0);
+            }
+            pairs.rows[k][g] = static_cast<std::uint16_t>(bits);
             any |= bits;
         }
-        if (any != 0) facing.clusters |= 1u << k / kClusterSize;
+        if (any != 0) pairs.clusters |= 1u << k / kClusterSize;
     }
 }
 
-// Which clusters of the slab hold a direction whose line through some point of a box may come near the
-// caster.
+inline void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks) {
+    const F d;
+    for (std::size_t k = 0; k < slab.count; ++k) {
+        const glm::vec3 w = slab.direction(k);
+        const float climb = glm::dot(ground.normal, w);
+        if (climb == 0) continue;
+        const glm::vec3 down = climb < 0 ? w : -w;
+        for (std::size_t g = 0; g < chunk.groups(); ++g) {
+            const BlocksFacing facing = blocks_facing(d, chunk, 16 * g, down);
+            for (std::uint32_t rest = facing.front & chunk.blocks_of_group(g); rest != 0; rest &= rest - 1) {
+                const int place = std::countr_zero(rest);
+                const std::size_t b = 16 * g + static_cast<std::size_t>(place);
+                masks.rows[k][b] |= static_cast<std::uint16_t>(
+                    chunk.lanes[b] &
+                    (facing.back >> place & 1 ? receivers_facing(d, chunk, b, down) : 0xffffu));
+            }
+        }
+    }
+}
+
+// Which clusters of the slab hold a line that through some point of a box may come near the caster.
 HWY_INLINE std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const glm::vec3& low,
                                        const glm::vec3& high) {
     const F d;
@@ -66,7 +119,7 @@ HWY_INLINE std::uint32_t clusters_near(const DirectionCaster& caster, const Slab
     const std::size_t first = slab.first / kClusterSize;
     const auto& rows = slab.shared.cluster_rows;
     std::uint32_t result = 0;
-    for (std::size_t c = 0; c < kSlab / kClusterSize; c += hn::Lanes(d)) {
+    for (std::size_t c = 0; c < slab.count / kClusterSize; c += hn::Lanes(d)) {
         const auto row = [&](int i) HWY_ATTR { return hn::LoadU(d, &rows[i][first + c]); };
         const V along = hn::Abs(
             hn::MulAdd(row(0), hn::Set(d, towards.x),
@@ -157,16 +210,13 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
 inline std::uint32_t with_hit_ahead(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
                                     const PreparedDirections& prepared, std::size_t k, std::size_t block,
                                     std::uint32_t bits) {
-    const glm::vec3 ray(slab.shared.x[slab.first + k], slab.shared.y[slab.first + k],
-                        slab.shared.z[slab.first + k]);
     std::uint32_t result = 0;
     for (; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
         const std::size_t i = block * kLanes + lane;
-        const glm::vec3 position(chunk.x[i], chunk.y[i], chunk.z[i]);
-        const glm::vec3 normal(chunk.nx[i], chunk.ny[i], chunk.nz[i]);
-        if (glm::dot(normal, ray) > 0 &&
-            hit_is_ahead(caster, position, ray, prepared.place(k, position, caster.instance)))
+        const glm::vec3 position = chunk.position(i);
+        const glm::vec3 ray = slab.towards(k, slab.faced_end(k, chunk.normal(i)));
+        if (hit_is_ahead(caster, position, ray, prepared.place(k, position, caster.instance)))
             result |= 1u << lane;
     }
     return result;
@@ -202,12 +252,15 @@ struct Coordinate {
     HWY_INLINE V at(V px, V py, V pz) const {
         return hn::MulAdd(x, px, hn::MulAdd(y, py, hn::MulAdd(z, pz, constant)));
     }
+    HWY_INLINE V from_middle(V px, V py, V pz, V half_map) const {
+        return hn::MulAdd(x, px, hn::MulAdd(y, py, hn::MulAdd(z, pz, hn::Sub(constant, half_map))));
+    }
 };
 
 // Which of 16 blocks, from `first` on, have a box that a direction's map can meet. Conservative: what
 // rounding could add to a receiver's texel coordinates is less than the margin.
 HWY_INLINE std::uint32_t blocks_on_map(F d, const Chunk& chunk, std::size_t first, const Coordinate& u,
-                                       const Coordinate& v, V map_size) {
+                                       const Coordinate& v, V half_map) {
     return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
         const std::size_t b = first + i;
         const V x = hn::Load(d, &chunk.centre_x[b]), y = hn::Load(d, &chunk.centre_y[b]),
@@ -215,12 +268,12 @@ HWY_INLINE std::uint32_t blocks_on_map(F d, const Chunk& chunk, std::size_t firs
         const V half_x = hn::Load(d, &chunk.half_x[b]), half_y = hn::Load(d, &chunk.half_y[b]),
                 half_z = hn::Load(d, &chunk.half_z[b]);
         const auto inside = [&](const Coordinate& c) HWY_ATTR {
-            const V middle = c.at(x, y, z);
-            const V extent = hn::MulAdd(
+            const V middle = c.from_middle(x, y, z, half_map);
+            const V reach = hn::MulAdd(
                 hn::Abs(c.x), half_x,
-                hn::MulAdd(hn::Abs(c.y), half_y, hn::MulAdd(hn::Abs(c.z), half_z, hn::Set(d, kTexelMargin))));
-            return hn::And(hn::Ge(hn::Add(middle, extent), hn::Zero(d)),
-                           hn::Le(hn::Sub(middle, extent), map_size));
+                hn::MulAdd(hn::Abs(c.y), half_y,
+                           hn::MulAdd(hn::Abs(c.z), half_z, hn::Add(half_map, hn::Set(d, kTexelMargin)))));
+            return hn::Le(hn::Abs(middle), reach);
         };
         return mask_bits(d, hn::And(inside(u), inside(v)));
     });
@@ -249,55 +302,160 @@ struct BlockList {
     }
 };
 
+// Of sixteen blocks from `first` on, by bounds for their boxes and cones of normals: those whose receivers
+// all have the whole object in front of their tangent planes, are not near its box and read these maps; and
+// those that have it behind.
+struct BlockClasses {
+    std::uint32_t plain = 0, hidden = 0;
+};
+HWY_INLINE BlockClasses classes_of_blocks(const DirectionCaster& caster, const Chunk& chunk,
+                                          std::size_t first) {
+    const F d;
+    const Instance& instance = caster.instance;
+    const auto set = [&](float value) HWY_ATTR { return hn::Set(d, value); };
+    const auto dot3 = [&](const glm::vec3& a, V x, V y, V z) HWY_ATTR {
+        return hn::MulAdd(set(a.x), x, hn::MulAdd(set(a.y), y, hn::Mul(set(a.z), z)));
+    };
+    BlockClasses result;
+    for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
+        const std::size_t b = first + i;
+        const V x = hn::Load(d, &chunk.centre_x[b]), y = hn::Load(d, &chunk.centre_y[b]),
+                z = hn::Load(d, &chunk.centre_z[b]);
+        const V half_x = hn::Load(d, &chunk.half_x[b]), half_y = hn::Load(d, &chunk.half_y[b]),
+                half_z = hn::Load(d, &chunk.half_z[b]);
+        const V ax = hn::Load(d, &chunk.axis_x[b]), ay = hn::Load(d, &chunk.axis_y[b]),
+                az = hn::Load(d, &chunk.axis_z[b]);
+        // Normals stray from the axis by at most 1.5 sines, as vectors, within a quarter turn.
+        const V stray = hn::Mul(set(1.5f), hn::Load(d, &chunk.sine[b]));
+        V height = hn::Zero(d), extent = hn::Zero(d), square = hn::Zero(d);  // along the axis
+        V away_square = hn::Zero(d);                                         // in unit space, at most
+        V near = hn::Zero(d), far = hn::Zero(d), beside = set(-1e30f);       // squared distances
+        V slope_square = hn::Zero(d);
+        for (int axis = 0; axis < 3; ++axis) {
+            const glm::vec3 row(instance.to_unit[0][axis], instance.to_unit[1][axis],
+                                instance.to_unit[2][axis]);
+            const V origin = hn::Add(dot3(row, x, y, z), set(instance.unit_offset[axis]));
+            const V spread = dot3(glm::abs(row), half_x, half_y, half_z);
+            const V n = dot3(instance.to_world[axis], ax, ay, az);
+            const V away = hn::Sub(set(instance.box_centre[axis]), origin);
+            const V half = set(instance.box_half[axis]);
+            height = hn::MulAdd(n, away, height);
+            extent = hn::MulAdd(hn::Abs(n), hn::Add(half, spread), extent);
+            square = hn::MulAdd(n, n, square);
+            const V whole = hn::Add(hn::Add(hn::Abs(away), spread), half);
+            away_square = hn::MulAdd(whole, whole, away_square);
+            const V column = set(glm::dot(instance.to_world[axis], instance.to_world[axis]));
+            slope_square = hn::Add(slope_square, column);
+            beside = hn::Max(beside, hn::Sub(hn::Sub(hn::Abs(away), spread), half));
+            const V least = hn::Max(hn::Sub(hn::Abs(origin), spread), hn::Zero(d));
+            const V most = hn::Add(hn::Abs(origin), spread);
+            near = hn::MulAdd(least, least, near);
+            far = hn::MulAdd(most, most, far);
+        }
+        // A normal that strays by s changes height and extent by s times the columns' length times theirs.
+        const V slack = hn::Mul(stray, hn::Sqrt(hn::Mul(slope_square, away_square)));
+        extent = hn::Add(extent, slack);
+        const V contact = hn::Mul(set(-0.9f * PlaneSide::kContact), hn::Sqrt(square));
+        const auto front = hn::And(hn::Ge(hn::Sub(height, extent), contact), hn::Ge(beside, set(kNearBox)));
+        const auto read = hn::And(hn::Ge(near, set(caster.from)), hn::Lt(far, set(caster.to)));
+        result.plain |= mask_bits(d, hn::And(front, read)) << i;
+        result.hidden |= mask_bits(d, hn::Le(hn::Add(height, extent), hn::Zero(d))) << i;
+    }
+    return result;
+}
+
 // What a chunk's blocks are to one caster.
 struct ChunkSides {
     std::array<BlockSides, kChunkBlocks> blocks;
-    std::array<std::uint16_t, kChunkBlocks / 16> known{};  // of these `blocks` and `plain` are set
-    std::array<std::uint16_t, kChunkBlocks / 16> plain{};  // all lanes active, none cut, none near the box
+    std::array<bool, kChunkBlocks / 16> met{};              // groups whose classes are known
+    std::array<std::uint16_t, kChunkBlocks / 16> known{};   // in one of both, or in `blocks`
+    std::array<std::uint16_t, kChunkBlocks / 16> plain{};   // all lanes active, none cut, none near the box
+    std::array<std::uint16_t, kChunkBlocks / 16> hidden{};  // no lane active
 
-    HWY_INLINE void find(const DirectionCaster& caster, const Chunk& chunk, std::size_t group,
+    HWY_INLINE void find(const DirectionCaster& caster, const Chunk& chunk, std::size_t g,
                          std::uint32_t missing) {
-        for (; missing != 0; missing &= missing - 1) {
-            const int place = std::countr_zero(missing);
-            const BlockSides& side = blocks[group + place] = sides_of_block(caster, chunk, group + place);
+        if (!met[g]) {
+            met[g] = true;
+            const BlockClasses classes = classes_of_blocks(caster, chunk, 16 * g);
+            plain[g] = static_cast<std::uint16_t>(classes.plain & ~chunk.irregular[g]);
+            hidden[g] = static_cast<std::uint16_t>(classes.hidden);
+            known[g] = plain[g] | hidden[g];
+        }
+        for (missing &= ~known[g]; missing != 0; missing &= missing - 1) {
+            const auto place = static_cast<std::size_t>(std::countr_zero(missing));
+            const BlockSides& side = blocks[16 * g + place] = sides_of_block(caster, chunk, 16 * g + place);
             std::uint32_t special = side.cut | (side.active ^ 0xffffu);
             for (const auto& axis : side.beside) special |= axis[0] | axis[1];
-            plain[group / 16] |= static_cast<std::uint16_t>((special == 0) << place);
-            known[group / 16] |= static_cast<std::uint16_t>(1u << place);
+            plain[g] |= static_cast<std::uint16_t>((special == 0) << place);
+            known[g] |= static_cast<std::uint16_t>(1u << place);
         }
     }
 };
 
 template<int kSize>
-void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                      const ChunkFacing& facing, ChunkMasks& masks) {
+void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
+                      ChunkMasks& masks) {
     const F d;
     constexpr auto kMapSize = static_cast<float>(kSize);
+    const std::size_t groups = chunk.groups();
     // Sixteen blocks at a time: chunks may be long and thin.
     std::array<std::uint32_t, kChunkBlocks / 16> near;
     std::uint32_t clusters = 0;
-    for (std::size_t group = 0; group < chunk.blocks; group += 16) {
-        near[group / 16] = facing.clusters & clusters_near(caster, slab, chunk.group_low[group / 16],
-                                                           chunk.group_high[group / 16]);
-        clusters |= near[group / 16];
+    for (std::size_t g = 0; g < groups; ++g) {
+        near[g] = pairs.clusters & clusters_near(caster, slab, chunk.group_low[g], chunk.group_high[g]);
+        clusters |= near[g];
     }
     if (clusters == 0) return;
     PreparedDirections prepared;
     ChunkSides sides;
-    const V map_size = hn::Set(d, kMapSize);
-    const glm::vec3 middle = 0.5f * (chunk.low + chunk.high), half = 0.5f * (chunk.high - chunk.low);
+    const V half_map = hn::Set(d, 0.5f * kMapSize);
 
     for (std::uint32_t rest = clusters; rest != 0; rest &= rest - 1) {
-        const std::size_t first = std::countr_zero(rest) * kClusterSize;
-        const std::uint32_t cluster = rest & (0u - rest);
+        const auto c = static_cast<std::size_t>(std::countr_zero(rest));
+        const std::size_t first = c * kClusterSize;
         prepare_directions(caster, slab, first, prepared);
-        std::uint32_t directions = directions_on_box(prepared, first, middle, half, kMapSize);
-        for (; directions != 0; directions &= directions - 1) {
-            const std::size_t k = first + std::countr_zero(directions), at = slab.first + k;
-            const MapRegisters<kSize> map(
-                d, caster.maps.texels.data() + std::size_t{prepared.index[k]} * direction_map_words(kSize));
+        // Of the groups near, which lines of the cluster meet them.
+        std::array<std::uint32_t, kChunkBlocks / 16> group, on;
+        std::size_t near_groups = 0;
+        std::uint32_t lines = 0;
+        for (std::size_t g = 0; g < groups; ++g) {
+            if (!(near[g] >> c & 1)) continue;
+            const std::uint32_t bits =
+                lines_on_box(prepared, first, chunk.group_low[g], chunk.group_high[g], kMapSize);
+            group[near_groups] = static_cast<std::uint32_t>(g);
+            on[near_groups] = bits;
+            near_groups += bits != 0;
+            lines |= bits;
+        }
+        for (; lines != 0; lines &= lines - 1) {
+            const int place = std::countr_zero(lines);
+            const std::size_t k = first + static_cast<std::size_t>(place);
+            // Of the groups, those with a block to ask about.
+            std::array<std::uint32_t, kChunkBlocks / 16> asked;
+            std::size_t asked_groups = 0;
+            for (std::size_t i = 0; i < near_groups; ++i) {
+                asked[asked_groups] = group[i];
+                asked_groups += (on[i] >> place & 1) && pairs.rows[k][group[i]] != 0;
+            }
+            if (asked_groups == 0) continue;
             const Coordinate u(d, prepared.u, k), v(d, prepared.v, k);
             auto& row = masks.rows[k];
+            // First which blocks, then the lookups: a loop an end, not one for every sixteen blocks, whose
+            // ends no processor foresees.
+            BlockList plain, special;
+            for (std::size_t i = 0; i < asked_groups; ++i) {
+                const std::size_t g = asked[i];
+                const std::uint32_t open = pairs.rows[k][g] & open_words(&row[16 * g], &chunk.lanes[16 * g]);
+                pairs.rows[k][g] = static_cast<std::uint16_t>(open);
+                const std::uint32_t blocks = open & blocks_on_map(d, chunk, 16 * g, u, v, half_map);
+                if (const std::uint32_t missing = blocks & ~sides.known[g])
+                    sides.find(caster, chunk, g, missing);
+                plain.append(16 * g, blocks & sides.plain[g]);
+                special.append(16 * g, blocks & ~(sides.plain[g] | std::uint32_t{sides.hidden[g]}));
+            }
+            if (plain.size + special.size == 0) continue;
+            const MapRegisters<kSize> map(
+                d, caster.maps.texels.data() + std::size_t{prepared.index[k]} * direction_map_words(kSize));
             const auto look_up = [&](std::size_t b) HWY_ATTR {
                 return for_sixteen(d, [&](std::size_t i) HWY_ATTR {
                     const std::size_t lane = b * kLanes + i;
@@ -306,19 +464,6 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
                     return map.hits(d, u.at(x, y, z), v.at(x, y, z));
                 });
             };
-            // First which blocks, then the lookups: a loop an end, not one for every sixteen blocks, whose
-            // ends no processor foresees.
-            BlockList plain, special;
-            for (std::size_t group = 0; group < chunk.blocks; group += 16) {
-                const std::uint32_t faced = facing.rows[k][group / 16];
-                if (faced == 0 || !(near[group / 16] & cluster)) continue;
-                const std::uint32_t blocks = faced & blocks_on_map(d, chunk, group, u, v, map_size) &
-                                             open_words(&row[group], &chunk.lanes[group]);
-                if (const std::uint32_t missing = blocks & ~sides.known[group / 16])
-                    sides.find(caster, chunk, group, missing);
-                plain.append(group, blocks & sides.plain[group / 16]);
-                special.append(group, blocks & ~sides.plain[group / 16]);
-            }
             std::size_t next = 0;
             for (; next + 1 < plain.size; next += 2) {
                 const std::size_t a = plain.blocks[next], b = plain.blocks[next + 1];
@@ -331,12 +476,15 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
                 row[b] |= static_cast<std::uint16_t>(look_up(b));
             }
             if (special.size == 0) continue;
-            const LeavingSides leaving(
-                caster.instance.carry_direction({slab.shared.x[at], slab.shared.y[at], slab.shared.z[at]}));
+            const glm::vec3 w = slab.direction(k), carried = caster.instance.carry_direction(w);
+            const LeavingSides along(carried), against(-carried);
             for (std::size_t i = 0; i < special.size; ++i) {
                 const std::size_t b = special.blocks[i];
-                std::uint32_t bits = leaving.staying(sides.blocks[b]) & look_up(b);
-                if (const std::uint32_t cut = bits & sides.blocks[b].cut)
+                const BlockSides& side = sides.blocks[b];
+                const std::uint32_t front = receivers_facing(d, chunk, b, w);
+                std::uint32_t bits =
+                    ((front & along.staying(side)) | (~front & against.staying(side))) & look_up(b);
+                if (const std::uint32_t cut = bits & side.cut)
                     bits = (bits & ~cut) | with_hit_ahead(caster, slab, chunk, prepared, k, b, cut);
                 row[b] |= static_cast<std::uint16_t>(bits);
             }
@@ -344,79 +492,121 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
     }
 }
 
-inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                      const ChunkFacing& facing, ChunkMasks& masks) {
+inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
+                      ChunkMasks& masks) {
     switch (caster.maps.parameters.map_size) {
         case 16:
-            return add_caster_sized<16>(caster, slab, chunk, facing, masks);
+            return add_caster_sized<16>(caster, slab, chunk, pairs, masks);
         case 32:
-            return add_caster_sized<32>(caster, slab, chunk, facing, masks);
+            return add_caster_sized<32>(caster, slab, chunk, pairs, masks);
         case 64:
-            return add_caster_sized<64>(caster, slab, chunk, facing, masks);
+            return add_caster_sized<64>(caster, slab, chunk, pairs, masks);
         default:
-            return add_caster_sized<128>(caster, slab, chunk, facing, masks);
+            return add_caster_sized<128>(caster, slab, chunk, pairs, masks);
     }
 }
 
-inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                       const ChunkFacing& facing, ChunkMasks& masks) {
-    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, facing, masks); });
+inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
+                       ChunkMasks& masks) {
+    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, pairs, masks); });
+}
+
+// Weight times |n.w| for sixteen normals, n.w being `cosine`; the ends' weights may differ.
+HWY_INLINE V share_of(F d, V cosine, V front, V back) {
+    return hn::Mul(hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), back, front), hn::Abs(cosine));
 }
 
 inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
     const F d;
+    const auto add = [&](std::size_t lane, std::uint32_t bits, V share) HWY_ATTR {
+        hn::Store(hn::Add(hn::Load(d, occluded + lane), keep_bits(d, bits, share)), d, occluded + lane);
+    };
     for (std::size_t k = 0; k < slab.count; ++k) {
         const std::size_t at = slab.first + k;
         const V x = hn::Set(d, slab.shared.x[at]), y = hn::Set(d, slab.shared.y[at]),
-                z = hn::Set(d, slab.shared.z[at]), weight = hn::Set(d, slab.shared.weight[at]);
-        for (std::size_t group = 0; group < chunk.blocks; group += 16)
-            for (std::uint32_t blocks = words_set(&masks.rows[k][group]); blocks != 0; blocks &= blocks - 1) {
-                const std::size_t b = group + std::countr_zero(blocks);
+                z = hn::Set(d, slab.shared.z[at]);
+        const V front = hn::Set(d, slab.shared.weight[0][at]), back = hn::Set(d, slab.shared.weight[1][at]);
+        const auto share = [&](const float* nx, const float* ny, const float* nz) HWY_ATTR {
+            const V cosine =
+                hn::MulAdd(x, hn::Load(d, nx), hn::MulAdd(y, hn::Load(d, ny), hn::Mul(z, hn::Load(d, nz))));
+            return share_of(d, cosine, front, back);
+        };
+        for (std::size_t g = 0; g < chunk.groups(); ++g) {
+            const std::uint32_t blocked = words_set(&masks.rows[k][16 * g]);
+            if (blocked == 0) continue;
+            if (const std::uint32_t flat = blocked & chunk.flat[g]) {  // one share a block
+                HWY_ALIGN std::array<float, 16> shares;
+                for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+                    const std::size_t b = 16 * g + i;
+                    hn::Store(share(&chunk.axis_x[b], &chunk.axis_y[b], &chunk.axis_z[b]), d, &shares[i]);
+                }
+                for (std::uint32_t rest = flat; rest != 0; rest &= rest - 1) {
+                    const auto place = static_cast<std::size_t>(std::countr_zero(rest));
+                    const std::size_t b = 16 * g + place;
+                    const std::uint32_t bits = masks.rows[k][b];
+                    for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d))
+                        add(b * kLanes + i, bits >> i, hn::Set(d, shares[place]));
+                }
+            }
+            for (std::uint32_t rest = blocked & ~std::uint32_t{chunk.flat[g]}; rest != 0; rest &= rest - 1) {
+                const std::size_t b = 16 * g + static_cast<std::size_t>(std::countr_zero(rest));
                 const std::uint32_t bits = masks.rows[k][b];
                 for (std::size_t i = 0; i < kLanes; i += hn::Lanes(d)) {
                     const std::size_t lane = b * kLanes + i;
-                    const V cosine = hn::MulAdd(x, hn::Load(d, &chunk.nx[lane]),
-                                                hn::MulAdd(y, hn::Load(d, &chunk.ny[lane]),
-                                                           hn::Mul(z, hn::Load(d, &chunk.nz[lane]))));
-                    const V share = hn::Mul(weight, hn::Max(cosine, hn::Zero(d)));
-                    hn::Store(hn::Add(hn::Load(d, occluded + lane), keep_bits(d, bits >> i, share)), d,
-                              occluded + lane);
+                    add(lane, bits >> i, share(&chunk.nx[lane], &chunk.ny[lane], &chunk.nz[lane]));
                 }
             }
+        }
     }
+}
+
+// Sums of weights over normals' hemispheres, as SharedDirections::total.
+HWY_INLINE V totals_of(F d, const SharedDirections& shared, const float* x, const float* y, const float* z) {
+    const I in;
+    constexpr int kSize = SharedDirections::kTotalsSize;
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), scale = hn::Set(d, 0.5f * kSize);
+    const V nx = hn::Load(d, x), ny = hn::Load(d, y), nz = hn::Load(d, z);
+    const V norm = hn::Div(one, hn::Add(hn::Abs(nx), hn::Add(hn::Abs(ny), hn::Abs(nz))));
+    const V a = hn::Mul(nx, norm), b = hn::Mul(ny, norm);
+    const auto south = hn::Lt(nz, zero);
+    const V column =
+        hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(b)), a), a)));
+    const V row =
+        hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(a)), b), b)));
+    const auto whole = [&](V v) HWY_ATTR {
+        return hn::Min(hn::Max(hn::ConvertTo(in, v), hn::Zero(in)), hn::Set(in, kSize - 1));
+    };
+    const auto s = whole(column), t = whole(row);
+    const V u = hn::Sub(column, hn::ConvertTo(d, s)), v = hn::Sub(row, hn::ConvertTo(d, t));
+    const auto cell = hn::Add(hn::Mul(t, hn::Set(in, kSize + 1)), s);
+    const auto corner = [&](int offset)
+                            HWY_ATTR { return gathered_float(d, shared.totals.data() + offset, cell); };
+    const V top_left = corner(0), bottom_left = corner(kSize + 1);
+    const V top = hn::MulAdd(u, hn::Sub(corner(1), top_left), top_left);
+    const V bottom = hn::MulAdd(u, hn::Sub(corner(kSize + 2), bottom_left), bottom_left);
+    return hn::MulAdd(v, hn::Sub(bottom, top), top);
 }
 
 inline void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float* values) {
     const F d;
-    const I in;
-    constexpr int kSize = SharedDirections::kTotalsSize;
-    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), scale = hn::Set(d, 0.5f * kSize);
-    for (std::size_t i = 0; i < chunk.blocks * kLanes; i += hn::Lanes(d)) {
-        const V nx = hn::Load(d, &chunk.nx[i]), ny = hn::Load(d, &chunk.ny[i]),
-                nz = hn::Load(d, &chunk.nz[i]);
-        // SharedDirections::total
-        const V norm = hn::Div(one, hn::Add(hn::Abs(nx), hn::Add(hn::Abs(ny), hn::Abs(nz))));
-        const V a = hn::Mul(nx, norm), b = hn::Mul(ny, norm);
-        const auto south = hn::Lt(nz, zero);
-        const V column =
-            hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(b)), a), a)));
-        const V row =
-            hn::Mul(scale, hn::Add(one, hn::IfThenElse(south, hn::CopySign(hn::Sub(one, hn::Abs(a)), b), b)));
-        const auto whole = [&](V x) HWY_ATTR {
-            return hn::Min(hn::Max(hn::ConvertTo(in, x), hn::Zero(in)), hn::Set(in, kSize - 1));
-        };
-        const auto s = whole(column), t = whole(row);
-        const V u = hn::Sub(column, hn::ConvertTo(d, s)), v = hn::Sub(row, hn::ConvertTo(d, t));
-        const auto cell = hn::Add(hn::Mul(t, hn::Set(in, kSize + 1)), s);
-        const auto corner = [&](int offset)
-                                HWY_ATTR { return gathered_float(d, shared.totals.data() + offset, cell); };
-        const V top_left = corner(0), bottom_left = corner(kSize + 1);
-        const V top = hn::MulAdd(u, hn::Sub(corner(1), top_left), top_left);
-        const V bottom = hn::MulAdd(u, hn::Sub(corner(kSize + 2), bottom_left), bottom_left);
-        const V total = hn::MulAdd(v, hn::Sub(bottom, top), top);
-        const V occluded = hn::Load(d, values + i);
-        const V visibility = hn::Max(zero, hn::Sub(one, hn::Div(occluded, total)));
-        hn::Store(hn::IfThenElse(hn::Gt(occluded, zero), visibility, one), d, values + i);
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+    for (std::size_t g = 0; g < chunk.groups(); ++g) {
+        HWY_ALIGN std::array<float, 16> totals;  // of flat blocks
+        if (chunk.flat[g] != 0)
+            for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+                const std::size_t b = 16 * g + i;
+                hn::Store(totals_of(d, shared, &chunk.axis_x[b], &chunk.axis_y[b], &chunk.axis_z[b]), d,
+                          &totals[i]);
+            }
+        for (std::size_t b = 16 * g; b < std::min(16 * g + 16, chunk.blocks); ++b)
+            for (std::size_t i = b * kLanes; i < (b + 1) * kLanes; i += hn::Lanes(d)) {
+                const V occluded = hn::Load(d, values + i);
+                const V total = chunk.flat[g] >> b % 16 & 1
+                                    ? hn::Set(d, totals[b % 16])
+                                    : totals_of(d, shared, &chunk.nx[i], &chunk.ny[i], &chunk.nz[i]);
+                const V visibility = hn::Max(zero, hn::Sub(one, hn::Div(occluded, total)));
+                hn::Store(hn::IfThenElse(hn::Gt(occluded, zero), visibility, one), d, values + i);
+            }
     }
 }
 

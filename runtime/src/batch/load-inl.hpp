@@ -1,4 +1,4 @@
-// Loading packed receivers and finding their cells, vector by vector.
+// Loading packed receivers, finding their cells and bounding blocks of them, vector by vector.
 #if defined(DFIELD_LOAD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef DFIELD_LOAD_INL
 #undef DFIELD_LOAD_INL
@@ -10,6 +10,7 @@
 
 #include <limits>
 
+#include "batch/chunk.hpp"
 #include "batch/loaded.hpp"
 #include "batch/map_lookup-inl.hpp"
 
@@ -99,6 +100,51 @@ inline void find_cells(Loaded& loaded) {
         const auto usable = hn::RebindMask(un, hn::Gt(hn::Add(hn::Add(ax, ay), az), zero));
         hn::Store(hn::IfThenElse(usable, cell, hn::Set(un, kNoCell)), un, &loaded.cells[i]);
     }
+}
+
+inline BlockBounds bound_block(const Chunk& chunk, std::size_t block) {
+    const F d;
+    const std::size_t begin = block * kLanes;
+    const auto least = [&](const auto& values) HWY_ATTR {
+        V v = hn::Load(d, &values[begin]);
+        for (std::size_t i = hn::Lanes(d); i < kLanes; i += hn::Lanes(d))
+            v = hn::Min(v, hn::Load(d, &values[begin + i]));
+        return hn::GetLane(hn::MinOfLanes(d, v));
+    };
+    const auto most = [&](const auto& values) HWY_ATTR {
+        V v = hn::Load(d, &values[begin]);
+        for (std::size_t i = hn::Lanes(d); i < kLanes; i += hn::Lanes(d))
+            v = hn::Max(v, hn::Load(d, &values[begin + i]));
+        return hn::GetLane(hn::MaxOfLanes(d, v));
+    };
+    const auto sum = [&](const auto& values) HWY_ATTR {
+        V v = hn::Load(d, &values[begin]);
+        for (std::size_t i = hn::Lanes(d); i < kLanes; i += hn::Lanes(d))
+            v = hn::Add(v, hn::Load(d, &values[begin + i]));
+        return hn::GetLane(hn::SumOfLanes(d, v));
+    };
+    BlockBounds bounds{{least(chunk.x), least(chunk.y), least(chunk.z)},
+                       {most(chunk.x), most(chunk.y), most(chunk.z)},
+                       chunk.normal(begin),
+                       1};
+    bool flat = true;
+    for (std::size_t i = begin; i < begin + kLanes; i += hn::Lanes(d)) {
+        const auto same = [&](const auto& values)
+                              HWY_ATTR { return hn::Eq(hn::Load(d, &values[i]), hn::Set(d, values[begin])); };
+        flat &= hn::AllTrue(d, hn::And(hn::And(same(chunk.nx), same(chunk.ny)), same(chunk.nz)));
+    }
+    if (flat) return bounds;
+    bounds.axis = {sum(chunk.nx), sum(chunk.ny), sum(chunk.nz)};
+    const float length = std::sqrt(glm::dot(bounds.axis, bounds.axis));
+    if (length > 0) bounds.axis /= length;
+    V cosine = hn::Set(d, kLargestCosine);
+    for (std::size_t i = begin; i < begin + kLanes; i += hn::Lanes(d))
+        cosine = hn::Min(
+            cosine, hn::MulAdd(hn::Set(d, bounds.axis.x), hn::Load(d, &chunk.nx[i]),
+                               hn::MulAdd(hn::Set(d, bounds.axis.y), hn::Load(d, &chunk.ny[i]),
+                                          hn::Mul(hn::Set(d, bounds.axis.z), hn::Load(d, &chunk.nz[i])))));
+    bounds.cosine = hn::GetLane(hn::MinOfLanes(d, cosine));
+    return bounds;
 }
 
 }  // namespace dfield::runtime::HWY_NAMESPACE

@@ -26,7 +26,7 @@ struct Loaded {
     std::size_t count = 0;
     // One array an axis; normals are unit, or zero where a receiver is unusable.
     alignas(64) std::array<float, kMostLoaded> x, y, z, nx, ny, nz;
-    // Where a receiver goes: first by the axis that is nearest to its normal, then along a Morton curve
+    // Where a receiver goes: first by the axis that is nearest to its normal, then along a curve
     // across that axis. Surfaces that face alike and lie behind each other are rare among neighbours.
     alignas(64) std::array<std::uint32_t, kMostLoaded> cells;
     // Of usable receivers.

@@ -223,10 +223,11 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
     }
 }
 
-// Of the cluster's directions, those whose map a receiver within the box can meet.
-HWY_INLINE std::uint32_t directions_on_box(const PreparedDirections& prepared, std::size_t first,
-                                           const glm::vec3& middle, const glm::vec3& half, float map_size) {
+// Of the cluster's lines, those whose map a receiver within the box can meet.
+HWY_INLINE std::uint32_t lines_on_box(const PreparedDirections& prepared, std::size_t first,
+                                      const glm::vec3& low, const glm::vec3& high, float map_size) {
     const F d;
+    const glm::vec3 middle = 0.5f * (low + high), half = 0.5f * (high - low);
     std::uint32_t result = 0;
     for (std::size_t i = 0; i < kClusterSize; i += hn::Lanes(d)) {
         const auto inside = [&](const std::array<PreparedDirections::Row, 4>& row) HWY_ATTR {

@@ -4,20 +4,11 @@
 #include "batch/chunk.hpp"
 #include "batch/confirm.hpp"
 #include "batch/direction_lookup.hpp"
+#include "batch/ground.hpp"
 #include "batch/loaded.hpp"
 
 namespace dfield::runtime {
 namespace {
-
-glm::vec3 position_of(const Chunk& chunk, std::size_t i) {
-    return {chunk.x[i], chunk.y[i], chunk.z[i]};
-}
-glm::vec3 normal_of(const Chunk& chunk, std::size_t i) {
-    return {chunk.nx[i], chunk.ny[i], chunk.nz[i]};
-}
-glm::vec3 direction_of(const SharedDirections& shared, std::size_t k) {
-    return {shared.x[k], shared.y[k], shared.z[k]};
-}
 
 void load_packed(const float* positions, const float* normals, Loaded& loaded) {
     dfield_receivers receivers{};
@@ -43,25 +34,53 @@ void find_cells(Loaded& loaded) {
     }
 }
 
-void find_facing(const Chunk& chunk, const Slab& slab, ChunkFacing& facing) {
-    facing.clusters = ~0u >> (32 - slab.count / kClusterSize);  // those that the slab has
-    for (std::size_t k = 0; k < slab.count; ++k)
-        for (std::size_t b = 0; b < chunk.blocks; b += 16) facing.rows[k][b / 16] = 0xffff;
+BlockBounds bound_block(const Chunk& chunk, std::size_t block) {
+    BlockBounds bounds{glm::vec3(INFINITY), glm::vec3(-INFINITY), glm::vec3(0), 1};
+    const std::size_t begin = block * kLanes, end = begin + kLanes;
+    bool flat = true;
+    for (std::size_t i = begin; i < end; ++i) {
+        bounds.low = glm::min(bounds.low, chunk.position(i));
+        bounds.high = glm::max(bounds.high, chunk.position(i));
+        bounds.axis += chunk.normal(i);
+        flat &= chunk.normal(i) == chunk.normal(begin);
+    }
+    if (flat) {
+        bounds.axis = chunk.normal(begin);
+        return bounds;
+    }
+    const float length = glm::length(bounds.axis);
+    if (length > 0) bounds.axis /= length;
+    for (std::size_t i = begin; i < end; ++i)
+        bounds.cosine = std::min(bounds.cosine, glm::dot(bounds.axis, chunk.normal(i)));
+    bounds.cosine = std::min(bounds.cosine, kLargestCosine);
+    return bounds;
 }
 
-void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
+void find_pairs(const Chunk& chunk, const Slab& slab, BlockPairs& pairs) {
+    pairs.clusters = ~0u >> (32 - slab.count / kClusterSize);  // those that the slab has
+    for (std::size_t k = 0; k < slab.count; ++k)
+        for (std::size_t g = 0; g < chunk.groups(); ++g) pairs.rows[k][g] = chunk.blocks_of_group(g);
+}
+
+void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks) {
+    for (std::size_t k = 0; k < slab.count; ++k)
+        for (std::size_t b = 0; b < chunk.blocks; ++b)
+            masks.rows[k][b] |= facing_ground(ground, slab, k, chunk, b);
+}
+
+void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
                ChunkMasks& masks) {
     for (std::size_t k = 0; k < slab.count; ++k) {
-        const glm::vec3 ray = direction_of(slab.shared, slab.first + k);
-        const DirectionLookup lookup(caster.maps, caster.instance, ray);
+        const DirectionLookup lookup(caster.maps, caster.instance, slab.direction(k));
         for (std::size_t b = 0; b < chunk.blocks; ++b) {
-            if (!(asked.clusters >> k / kClusterSize & 1) || !(asked.rows[k][b / 16] >> b % 16 & 1)) continue;
+            if (!(pairs.clusters >> k / kClusterSize & 1) || !(pairs.rows[k][b / 16] >> b % 16 & 1)) continue;
             std::uint16_t bits = 0;
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 const std::size_t i = b * kLanes + lane;
                 if (!(chunk.lanes[b] >> lane & 1) || chunk.owners[i] == caster.id) continue;
-                const glm::vec3 position = position_of(chunk, i), normal = normal_of(chunk, i);
+                const glm::vec3 position = chunk.position(i), normal = chunk.normal(i);
                 const ReceiverSide side = side_of_receiver(caster, position, normal);
+                const glm::vec3 ray = slab.towards(k, slab.faced_end(k, normal));
                 const glm::vec3 w = caster.instance.carry_direction(ray);
                 MapPlace place;
                 if (!side.behind && !(side.near_box && side.leaving.leaves(w.x, w.y, w.z)) &&
@@ -73,29 +92,29 @@ void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chu
     }
 }
 
-void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, const ChunkFacing& asked,
+void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
                 ChunkMasks& masks) {
-    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, asked, masks); });
+    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, pairs, masks); });
 }
 
 void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
-    for (std::size_t k = 0; k < slab.count; ++k) {
-        const glm::vec3 ray = direction_of(slab.shared, slab.first + k);
-        for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
-            if (masks.rows[k][i / kLanes] >> i % kLanes & 1)
-                occluded[i] +=
-                    slab.shared.weight[slab.first + k] * std::max(0.0f, glm::dot(normal_of(chunk, i), ray));
-    }
+    for (std::size_t k = 0; k < slab.count; ++k)
+        for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i) {
+            if (!(masks.rows[k][i / kLanes] >> i % kLanes & 1)) continue;
+            const int end = slab.faced_end(k, chunk.normal(i));
+            occluded[i] += slab.shared.weight[end][slab.first + k] *
+                           std::fabs(glm::dot(chunk.normal(i), slab.direction(k)));
+        }
 }
 
 void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float* values) {
     for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i)
-        values[i] = values[i] > 0 ? std::max(0.0f, 1 - values[i] / shared.total(normal_of(chunk, i))) : 1.0f;
+        values[i] = values[i] > 0 ? std::max(0.0f, 1 - values[i] / shared.total(chunk.normal(i))) : 1.0f;
 }
 
 }  // namespace
 
-const BatchKernels kReferenceKernels{load_packed, find_cells,   find_facing,
-                                     add_caster,  add_occluded, finish_visibility};
+const BatchKernels kReferenceKernels{load_packed, find_cells, bound_block,  find_pairs,
+                                     add_ground,  add_caster, add_occluded, finish_visibility};
 
 }  // namespace dfield::runtime

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numeric>
 
 namespace dfield::runtime {
@@ -32,6 +33,34 @@ void cluster(std::span<const glm::vec3> directions, Order& order, std::size_t be
     cluster(directions, order, middle, end);
 }
 
+struct Line {
+    glm::vec3 direction;               // in the upper half
+    std::array<std::uint32_t, 2> ray;  // along it, against it; SharedDirections::kNoRay for none
+};
+
+// Directions in the caller's order as lines; of each, the first that has no opposite yet takes one.
+std::vector<Line> lines_of(std::span<const glm::vec3> directions) {
+    std::vector<Line> lines;
+    std::map<std::array<float, 3>, std::vector<std::size_t>> open[2];  // lines that lack an end
+    for (std::uint32_t r = 0; r < directions.size(); ++r) {
+        const glm::vec3 w = directions[r];
+        const bool against = w.z != 0 ? w.z < 0 : w.y != 0 ? w.y < 0 : w.x < 0;
+        const glm::vec3 u = (against ? -w : w) + 0.0f;  // no negative zeros
+        const std::array<float, 3> key{u.x, u.y, u.z};
+        if (const auto found = open[against].find(key);
+            found != open[against].end() && !found->second.empty()) {
+            lines[found->second.back()].ray[against] = r;
+            found->second.pop_back();
+            continue;
+        }
+        Line line{u, {SharedDirections::kNoRay, SharedDirections::kNoRay}};
+        line.ray[against] = r;
+        open[!against][key].push_back(lines.size());
+        lines.push_back(line);
+    }
+    return lines;
+}
+
 // Point of the octahedral map's square [-1, 1]^2, unit.
 glm::vec3 octahedral_point(float a, float b) {
     glm::vec3 p(a, b, 1 - std::fabs(a) - std::fabs(b));
@@ -46,18 +75,25 @@ glm::vec3 octahedral_point(float a, float b) {
 }  // namespace
 
 void SharedDirections::build(std::span<const glm::vec3> directions, std::span<const float> weights) {
-    Order order(directions.size());
+    const std::vector<Line> lines = lines_of(directions);
+    std::vector<glm::vec3> upper;
+    for (const Line& line : lines) upper.push_back(line.direction);
+    Order order(lines.size());
     std::iota(order.begin(), order.end(), 0u);
-    cluster(directions, order, 0, order.size());
+    cluster(upper, order, 0, order.size());
     const std::size_t count = (order.size() + kClusterSize - 1) / kClusterSize * kClusterSize;
     for (std::size_t i = 0; i < count; ++i) {
         const bool real = i < order.size();
-        const std::uint32_t r = real ? order[i] : order.back();
-        x.push_back(directions[r].x);
-        y.push_back(directions[r].y);
-        z.push_back(directions[r].z);
-        weight.push_back(!real ? 0.0f : weights.empty() ? 1.0f : weights[r]);
-        ray.push_back(real ? r : kNoRay);
+        const Line& line = lines[real ? order[i] : order.back()];
+        x.push_back(line.direction.x);
+        y.push_back(line.direction.y);
+        z.push_back(line.direction.z);
+        for (int end = 0; end < 2; ++end) {
+            const std::uint32_t r = real ? line.ray[end] : kNoRay;
+            ray[end].push_back(r);
+            weight[end].push_back(r == kNoRay ? 0.0f : weights.empty() ? 1.0f : weights[r]);
+            one_sided |= real && r == kNoRay;
+        }
     }
     for (std::size_t first = 0; first < count; first += kClusterSize) {
         DirectionCluster result{glm::vec3(0), 1, 0};
@@ -80,8 +116,10 @@ void SharedDirections::build(std::span<const glm::vec3> directions, std::span<co
             const glm::vec3 n = octahedral_point(2.0f * static_cast<float>(column) / kTotalsSize - 1,
                                                  2.0f * static_cast<float>(row) / kTotalsSize - 1);
             double sum = 0;
-            for (std::size_t i = 0; i < count; ++i)
-                sum += weight[i] * std::max(0.0f, n.x * x[i] + n.y * y[i] + n.z * z[i]);
+            for (std::size_t i = 0; i < count; ++i) {
+                const float cosine = n.x * x[i] + n.y * y[i] + n.z * z[i];
+                sum += weight[cosine < 0][i] * std::fabs(cosine);
+            }
             totals.push_back(static_cast<float>(sum));
         }
 }
