@@ -136,11 +136,14 @@ void dfield_receiver_set::update(dfield_snapshot* snapshot, dfield_update_stats*
             SetChunk& chunk = chunks_[i];
             chunk.computed.fill(0);
             chunk.changed.fill(0);
-            if (batched)
-                update_batched(i, now, changes, *scratch);
-            else
+            if (batched && !changes.all)
+                update_changed(i, now, changes, *scratch);
+            else if (!batched)
                 update_by_rays(chunk, old, now, changes);
         }
+        if (batched && changes.all)
+            for (std::size_t first = begin; first < end; first += UpdateScratch::kTogether)
+                update_all(first, std::min(first + UpdateScratch::kTogether, end), now, *scratch);
         if (scratch) give_scratch(scratch);
     });
     casters_before_.clear();

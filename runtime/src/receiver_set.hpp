@@ -17,6 +17,7 @@
 
 #include "ao.hpp"
 #include "batch/batch.hpp"
+#include "batch/prepared.hpp"
 #include "scene.hpp"
 
 namespace dfield::runtime {
@@ -82,11 +83,22 @@ struct SceneChanges {
 
 // Buffers of one thread. The masks are all zero between uses.
 struct UpdateScratch {
+    static constexpr std::size_t kTogether = 4;  // chunks that share what is prepared of each caster
+
     explicit UpdateScratch(std::pmr::memory_resource* memory) : candidates(memory) {}
 
     ChunkMasks before{}, now{};
-    BlockPairs before_touched, now_touched, still, again, open;
+    BlockPairs before_touched, now_touched, still, again;
+    std::array<BlockPairs, kTogether> open;
+    PreparedLines prepared;
     std::pmr::vector<std::pair<float, dfield_instance>> candidates;  // has room for all active instances
+};
+
+// What is left to ask about of a chunk, and what was found.
+struct ChunkWork {
+    const Chunk* chunk;
+    BlockPairs* pairs;
+    ChunkMasks* masks;
 };
 
 // How far from `centre` a line can pass that an instance blocks.
@@ -123,9 +135,20 @@ struct dfield_receiver_set final : dfield::runtime::Shared<dfield_receiver_set> 
     dfield::runtime::UpdateScratch* take_scratch(std::size_t instances);  // throws std::bad_alloc
     void give_scratch(dfield::runtime::UpdateScratch* scratch);
 
-    // receiver_update.cpp: one chunk where direction maps answer.
-    void update_batched(std::size_t index, const SceneState& now, const SceneChanges& changes,
+    // receiver_update.cpp: where direction maps answer. Chunks [begin, end), at most
+    // UpdateScratch::kTogether, from scratch; one chunk after some instances have changed.
+    void update_all(std::size_t begin, std::size_t end, const SceneState& now,
+                    dfield::runtime::UpdateScratch& scratch);
+    void update_changed(std::size_t index, const SceneState& now, const SceneChanges& changes,
                         dfield::runtime::UpdateScratch& scratch);
+    void find_pairs(const dfield::runtime::Chunk& chunk, const dfield::runtime::Slab& slab,
+                    const SceneState& now, dfield::runtime::BlockPairs& pairs,
+                    dfield::runtime::UpdateScratch& scratch) const;
+    void order_casters(const SceneState& now, const glm::vec3& middle,
+                       dfield::runtime::UpdateScratch& scratch) const;
+    void add_casters(const dfield::runtime::Slab& slab, const SceneState& now,
+                     std::span<const dfield::runtime::ChunkWork> chunks,
+                     dfield::runtime::UpdateScratch& scratch) const;
     void update_slab(SetChunk& chunk, dfield::runtime::SlabMasks& state, const dfield::runtime::Slab& slab,
                      const SceneState& now, const SceneChanges& changes,
                      dfield::runtime::UpdateScratch& scratch);

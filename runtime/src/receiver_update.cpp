@@ -24,11 +24,74 @@ std::uint16_t lanes_of(const SetChunk& chunk, std::size_t block) {
 
 using namespace dfield::runtime;
 
-void dfield_receiver_set::update_batched(std::size_t index, const SceneState& now,
+void dfield_receiver_set::update_all(std::size_t begin, std::size_t end, const SceneState& now,
+                                     UpdateScratch& scratch) {
+    const std::size_t slabs = slab_count(ao_->shared);
+    glm::vec3 low(INFINITY), high(-INFINITY);
+    for (std::size_t i = begin; i < end; ++i) {
+        SetChunk& chunk = chunks_[i];
+        for (std::size_t block = 0; block < chunk.chunk.blocks; ++block)
+            chunk.computed[block] = chunk.changed[block] = lanes_of(chunk, block);
+        low = glm::min(low, chunk.chunk.low);
+        high = glm::max(high, chunk.chunk.high);
+    }
+    order_casters(now, 0.5f * (low + high), scratch);
+    for (std::size_t s = 0; s < slabs; ++s) {
+        const Slab slab(ao_->shared, s);
+        std::array<ChunkWork, UpdateScratch::kTogether> work;
+        for (std::size_t i = begin; i < end; ++i) {
+            SlabMasks& state = slabs_[i * slabs + s];
+            const Chunk& chunk = chunks_[i].chunk;
+            find_pairs(chunk, slab, now, state.pairs, scratch);
+            state.masks.clear(chunk, slab.count);
+            scratch.open[i - begin] = state.pairs;
+            work[i - begin] = {&chunk, &scratch.open[i - begin], &state.masks};
+        }
+        add_casters(slab, now, {work.data(), end - begin}, scratch);
+    }
+    for (std::size_t i = begin; i < end; ++i) store_visibility(chunks_[i], i);
+}
+
+// All pairs that the ground does not block altogether.
+void dfield_receiver_set::find_pairs(const Chunk& chunk, const Slab& slab, const SceneState& now,
+                                     BlockPairs& pairs, UpdateScratch& scratch) const {
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
+    kernels.find_pairs(chunk, slab, pairs);
+    if (!now.ground) return;
+    kernels.add_ground(*now.ground, slab, chunk, scratch.now);
+    keep_open(chunk, scratch.now, pairs);
+    scratch.now.clear(chunk, slab.count);
+}
+
+// Near ones first: what they block altogether, the others need not be asked about.
+void dfield_receiver_set::order_casters(const SceneState& now, const glm::vec3& middle,
+                                        UpdateScratch& scratch) const {
+    scratch.candidates.clear();
+    for (const dfield_instance id : now.active) {
+        const glm::vec3 away = reaches_[id].centre - middle;
+        scratch.candidates.emplace_back(glm::dot(away, away), id);
+    }
+    std::sort(scratch.candidates.begin(), scratch.candidates.end());
+}
+
+void dfield_receiver_set::add_casters(const Slab& slab, const SceneState& now,
+                                      std::span<const ChunkWork> chunks, UpdateScratch& scratch) const {
+    const BatchKernels& kernels = batch_kernels(context()->simd_targets);
+    for (const ChunkWork& work : chunks)
+        if (now.ground) kernels.add_ground(*now.ground, slab, *work.chunk, *work.masks);
+    for (const auto& [distance, id] : scratch.candidates) {
+        const DirectionCaster caster = direction_caster(*ao_, now.instances[id], id);
+        scratch.prepared.clusters = 0;
+        for (const ChunkWork& work : chunks)
+            kernels.add_caster(caster, slab, *work.chunk, *work.pairs, *work.masks, scratch.prepared);
+    }
+}
+
+void dfield_receiver_set::update_changed(std::size_t index, const SceneState& now,
                                          const SceneChanges& changes, UpdateScratch& scratch) {
     SetChunk& chunk = chunks_[index];
     for (std::size_t block = 0; block < chunk.chunk.blocks; ++block)
-        if (changes.all || (chunk.moved[block / 16] >> block % 16 & 1))
+        if (chunk.moved[block / 16] >> block % 16 & 1)
             chunk.computed[block] = chunk.changed[block] = lanes_of(chunk, block);
     const std::size_t slabs = slab_count(ao_->shared);
     for (std::size_t s = 0; s < slabs; ++s) {
@@ -45,32 +108,7 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     const Chunk& chunk = set_chunk.chunk;
     ChunkMasks& masks = state.masks;
     const bool moved = set_chunk.moved != BlockSet{};
-    if (changes.all || moved) {
-        kernels.find_pairs(chunk, slab, state.pairs);
-        if (now.ground) {  // what it blocks needs no caster
-            kernels.add_ground(*now.ground, slab, chunk, scratch.now);
-            keep_open(chunk, scratch.now, state.pairs);
-            scratch.now.clear(chunk, slab.count);
-        }
-    }
-    // Near ones first: what they block altogether, the others need not be asked about.
-    const auto add_active = [&](BlockPairs& pairs) {
-        if (now.ground) kernels.add_ground(*now.ground, slab, chunk, masks);
-        const glm::vec3 middle = 0.5f * (chunk.low + chunk.high);
-        scratch.candidates.clear();
-        for (const dfield_instance id : now.active) {
-            const glm::vec3 away = reaches_[id].centre - middle;
-            scratch.candidates.emplace_back(glm::dot(away, away), id);
-        }
-        std::sort(scratch.candidates.begin(), scratch.candidates.end());
-        for (const auto& [distance, id] : scratch.candidates)
-            kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks);
-    };
-    if (changes.all) {
-        masks.clear(chunk, slab.count);
-        scratch.again = state.pairs;
-        return add_active(scratch.again);
-    }
+    if (moved) find_pairs(chunk, slab, now, state.pairs, scratch);
     const auto restrict_to = [&](std::uint16_t flip) {
         restrict_pairs(
             chunk, slab, state.pairs,
@@ -87,9 +125,11 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
                                  BlockPairs& touched) {
         touched.clusters = 0;
         if (scratch.again.clusters == 0) return;
-        scratch.open = scratch.again;
-        for (const DirectionCaster& caster : casters)
-            kernels.add_caster(caster, slab, chunk, scratch.open, found);
+        BlockPairs& open = scratch.open.front() = scratch.again;
+        for (const DirectionCaster& caster : casters) {
+            scratch.prepared.clusters = 0;
+            kernels.add_caster(caster, slab, chunk, open, found, scratch.prepared);
+        }
         find_touched(chunk, scratch.again, found, touched);
     };
     find_near(chunk, slab, *still, casters_before_, scratch.again);
@@ -133,7 +173,9 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
         for (std::size_t block = 0; block < chunk.blocks; ++block)
             if (set_chunk.moved[block / 16] >> block % 16 & 1) masks.rows[k][block] = 0;
     restrict_to(0);
-    add_active(scratch.still);
+    order_casters(now, 0.5f * (chunk.low + chunk.high), scratch);
+    const ChunkWork work{&chunk, &scratch.still, &masks};
+    add_casters(slab, now, {&work, 1}, scratch);
 }
 
 // Lets the unchanged instances block again, among the pairs of scratch.again. For each of their directions
@@ -232,7 +274,9 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
             if (pass[i] && crosses(prisms[i].ball, reach, {x[i], y[i], z[i]}))
                 pairs.clusters |= 1u << prisms[i].k / kClusterSize;
         if (pairs.clusters == 0) continue;
-        kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks);
+        scratch.prepared.clusters = 0;
+        kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks,
+                           scratch.prepared);
         std::size_t left = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t k = prisms[i].k;

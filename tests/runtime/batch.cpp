@@ -53,6 +53,26 @@ Case random_case(std::uint64_t seed, std::size_t instances, std::size_t receiver
     return result;
 }
 
+// Grids on a few planes among the objects, and a bent one: blocks that are small, face alike, and lie before
+// or behind whole objects.
+Case wall_case(std::uint64_t seed, std::size_t instances) {
+    Random random(seed);
+    Case result = random_case(seed, instances, 0);
+    constexpr int kSide = 26;
+    for (int wall = 0; wall < 5; ++wall) {
+        const glm::dmat3 turn = wall < 3 ? glm::dmat3(1) : random.rotation();
+        const glm::dvec3 middle(random.uniform(-3, 3), random.uniform(-3, 3),
+                                wall == 0 ? -5.0 : random.uniform(-5, 5));
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const double u = 8.0 * (i % kSide) / kSide - 4, v = 8.0 * (i / kSide) / kSide - 4;
+            const double bend = wall == 4 ? 0.1 : 0;
+            result.receivers.positions.emplace_back(middle + turn * glm::dvec3(u, v, bend * u * u));
+            result.receivers.normals.emplace_back(turn * glm::normalize(glm::dvec3(-2 * bend * u, 0, 1)));
+        }
+    }
+    return result;
+}
+
 void place(Scene& scene, const Field& field, const Case& setting) {
     for (const glm::mat4& place : setting.places) scene.add(field, &place[0][0]);
 }
@@ -98,6 +118,126 @@ TEST_CASE("every level of SIMD agrees with the reference", "[batch]") {
             // Rounding puts a line into another texel, or a direction to another stored one.
             CHECK(differing <= 700 * 300 / 5000);
         }
+    }
+}
+
+TEST_CASE("blocks that are small and face alike agree with the reference, too", "[batch]") {
+    const auto bytes = baked_directions_bytes(table(), 7, 32, 8);
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        const Case setting = wall_case(seed, 9);
+        const std::size_t pairs = setting.receivers.size() * 300;
+        const std::vector<std::uint32_t> reference =
+            masks_of(DFIELD_SIMD_SCALAR, bytes, setting, shared(300));
+        std::size_t blocked = 0;
+        for (const std::uint32_t word : reference) blocked += std::popcount(word);
+        REQUIRE(blocked > pairs / 100);
+        for (const dfield_simd simd : {DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_AVX512}) {
+            CAPTURE(seed, simd);
+            const std::vector<std::uint32_t> masks = masks_of(simd, bytes, setting, shared(300));
+            std::size_t differing = 0;
+            for (std::size_t i = 0; i < masks.size(); ++i)
+                differing += std::popcount(masks[i] ^ reference[i]);
+            CHECK(differing <= pairs / 5000);
+            const Context context = context_at(simd);
+            const Field field = Field::load(context, bytes.data(), bytes.size());
+            Scene scene(context);
+            place(scene, field, setting);
+            const Ao ao(context, shared(300));
+            std::vector<float> visibility(setting.receivers.size());
+            scene.visibility(ao, setting.receivers.view(), visibility.data());
+            std::vector<float> gathered(visibility.size());
+            ao.gather(setting.receivers.view(), masks.data(), nullptr, gathered.data());
+            for (std::size_t i = 0; i < visibility.size(); ++i)
+                REQUIRE(visibility[i] == Approx(gathered[i]).margin(2e-3));
+        }
+    }
+}
+
+TEST_CASE("custom directions, opposite, alone or twice, keep their order and their weights", "[batch]") {
+    Random random(17);
+    constexpr std::size_t kRays = 200;
+    std::vector<glm::vec3> directions;
+    while (directions.size() < kRays) {
+        const glm::vec3 w(random.direction());
+        directions.push_back(w);
+        if (random.below(3) == 0) directions.push_back(-w);
+        if (random.below(10) == 0) directions.push_back(random.below(2) ? w : -w);
+    }
+    directions.resize(kRays);
+    std::vector<float> weights;
+    for (std::size_t r = 0; r < kRays; ++r) weights.push_back(static_cast<float>(random.uniform(0, 2)));
+    std::vector<std::uint32_t> order(kRays);
+    std::iota(order.begin(), order.end(), 0u);
+    for (std::size_t i = kRays; i > 1; --i)
+        std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
+    std::vector<glm::vec3> shuffled;
+    for (const std::uint32_t r : order) shuffled.push_back(directions[r]);
+
+    const auto bytes = baked_directions_bytes(table(), 7, 32, 8);
+    for (const Case& setting : {random_case(23, 6, 400), wall_case(4, 6)}) {
+        dfield_ao_desc desc = shared(kRays);
+        desc.directions = &directions.front().x;
+        desc.weights = weights.data();
+        const std::vector<std::uint32_t> masks = masks_of(DFIELD_SIMD_BEST, bytes, setting, desc);
+        dfield_ao_desc other = shared(kRays);
+        other.directions = &shuffled.front().x;
+        const std::vector<std::uint32_t> moved = masks_of(DFIELD_SIMD_BEST, bytes, setting, other);
+        const std::vector<std::uint32_t> reference = masks_of(DFIELD_SIMD_SCALAR, bytes, setting, desc);
+
+        const Context context;
+        const Field field = Field::load(context, bytes.data(), bytes.size());
+        Scene scene(context);
+        place(scene, field, setting);
+        std::vector<float> visibility(setting.receivers.size());
+        scene.visibility(Ao(context, desc), setting.receivers.view(), visibility.data());
+
+        constexpr std::size_t kWords = (kRays + 31) / 32;
+        std::size_t differing = 0, misplaced = 0, hidden = 0;
+        for (std::size_t i = 0; i < setting.receivers.size(); ++i) {
+            const glm::vec3 normal = glm::normalize(setting.receivers.normals[i]);
+            const auto bit = [&](const std::vector<std::uint32_t>& of, std::size_t r) {
+                return of[i * kWords + r / 32] >> r % 32 & 1;
+            };
+            double open = 0, whole = 0;
+            for (std::size_t k = 0; k < kRays; ++k) {
+                const std::size_t r = order[k];
+                const double cosine = glm::dot(normal, directions[r]);
+                differing += bit(masks, r) != bit(reference, r);
+                misplaced += bit(masks, r) != bit(moved, k);
+                if (cosine < -1e-6) hidden += bit(masks, r);
+                if (cosine <= 0) continue;
+                whole += weights[r] * cosine;
+                if (!bit(masks, r)) open += weights[r] * cosine;
+            }
+            REQUIRE(visibility[i] ==
+                    Approx(open / whole).margin(6e-3));  // few and uneven rays: a rough table
+        }
+        CHECK(differing <= setting.receivers.size() * kRays / 5000);
+        CHECK(misplaced <= setting.receivers.size() * kRays / 5000);  // clusters differ, and so do roundings
+        CHECK(hidden == 0);
+    }
+}
+
+TEST_CASE("the ground hides what leads below it", "[batch]") {
+    const Case setting = wall_case(8, 0);
+    const float plane[4] = {0.1f, -0.2f, 1, -6};
+    for (const dfield_simd simd :
+         {DFIELD_SIMD_SCALAR, DFIELD_SIMD_SSE4, DFIELD_SIMD_AVX2, DFIELD_SIMD_BEST}) {
+        const Context context = context_at(simd);
+        Scene scene(context);
+        scene.set_ground(plane);
+        const Ao ao(context, shared(256));
+        std::vector<std::uint32_t> masks(setting.receivers.size() * 8);
+        scene.visibility_mask(ao, setting.receivers.view(), masks.data());
+        for (std::size_t i = 0; i < setting.receivers.size(); ++i)
+            for (std::size_t r = 0; r < 256; ++r) {
+                const float* w = ao.directions() + 3 * r;
+                const glm::vec3 ray(w[0], w[1], w[2]);
+                const float cosine = glm::dot(setting.receivers.normals[i], ray);
+                const float climb = glm::dot(glm::vec3(plane[0], plane[1], plane[2]), ray);
+                if (std::fabs(cosine) < 1e-6f || std::fabs(climb) < 1e-6f) continue;
+                REQUIRE((masks[i * 8 + r / 32] >> r % 32 & 1) == (cosine > 0 && climb < 0));
+            }
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include "batch/chunk_builder.hpp"
 #include "batch/distances.hpp"
+#include "batch/prepared.hpp"
 #include "kind.hpp"
 
 namespace dfield::runtime {
@@ -29,6 +30,7 @@ DFIELD_OWN_FRAME void for_slabs(const SceneState& scene, const dfield_ao& ao, co
     const BatchKernels& kernels = batch_kernels(scene.context()->simd_targets);
     ChunkMasks masks;
     BlockPairs pairs;
+    PreparedLines prepared;
     for (std::size_t s = 0; s < slab_count(ao.shared); ++s) {
         const Slab slab(ao.shared, s);
         masks.clear(chunk, slab.count);
@@ -36,8 +38,9 @@ DFIELD_OWN_FRAME void for_slabs(const SceneState& scene, const dfield_ao& ao, co
         if (scene.ground) kernels.add_ground(*scene.ground, slab, chunk, masks);
         for (const dfield_instance id : scene.active) {
             const Instance& instance = scene.instances[id];
-            if (kind_for(ao, *instance.field) == DFIELD_KIND_DIRECTIONS)
-                kernels.add_caster(direction_caster(ao, instance, id), slab, chunk, pairs, masks);
+            if (kind_for(ao, *instance.field) != DFIELD_KIND_DIRECTIONS) continue;
+            prepared.clusters = 0;
+            kernels.add_caster(direction_caster(ao, instance, id), slab, chunk, pairs, masks, prepared);
         }
         consume(slab, masks);
     }
@@ -52,6 +55,7 @@ DFIELD_OWN_FRAME void for_distance_slabs(const SceneState& scene, const Distance
     ChunkOcclusion occlusion;
     ChunkMasks masks;
     BlockPairs pairs;
+    PreparedLines prepared;
     for (std::size_t s = 0; s < slab_count(ao.shared); ++s) {
         const Slab slab(ao.shared, s);
         for (std::size_t k = 0; k < slab.count; ++k) occlusion.rows[k].fill(0);
@@ -59,7 +63,7 @@ DFIELD_OWN_FRAME void for_distance_slabs(const SceneState& scene, const Distance
         if (scene.ground) add_ground_distances(*scene.ground, rule, slab, chunk, occlusion);
         for (const dfield_instance id : scene.active)
             add_caster_distances(kernels, direction_caster(ao, scene.instances[id], id), rule, slab, chunk,
-                                 pairs, masks, occlusion);
+                                 pairs, masks, prepared, occlusion);
         consume(slab, occlusion);
     }
 }

@@ -144,6 +144,7 @@ void for_levels(const DirectionCaster& caster, const LookUp& look_up) {
 
 // The kernels, one form a level of SIMD; reference.cpp has the one that reads like the method.
 struct Loaded;
+struct PreparedLines;
 // The box of a block, without slack, and the cone of its normals: n.axis >= cosine, 1 exactly where all are
 // the same and the axis too.
 struct BlockBounds {
@@ -161,9 +162,10 @@ struct BatchKernels {
     // Ors into the masks what the ground's half-space blocks.
     void (*add_ground)(const Plane& ground, const Slab& slab, const Chunk& chunk, ChunkMasks& masks);
     // Ors into the masks what the caster blocks, of the pairs asked about. Takes pairs out that are blocked
-    // altogether, some of them: the next caster need not be asked about them.
+    // altogether, some of them: the next caster need not be asked about them. `prepared` keeps what one
+    // caster's chunks can share.
     void (*add_caster)(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                       ChunkMasks& masks);
+                       ChunkMasks& masks, PreparedLines& prepared);
     // Adds weight * |n.w| of blocked ends to occluded[receiver].
     void (*add_occluded)(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded);
     // Of sums of all slabs, in place: visibility, 1 - occluded / SharedDirections::total.

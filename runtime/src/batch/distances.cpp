@@ -6,6 +6,7 @@
 
 #include "batch/confirm.hpp"
 #include "batch/direction_lookup.hpp"
+#include "batch/prepared.hpp"
 
 namespace dfield::runtime {
 namespace {
@@ -42,13 +43,14 @@ namespace {
 
 void add_level_distances(const BatchKernels& kernels, const DirectionCaster& caster, const DistanceRule& rule,
                          const Slab& slab, const Chunk& chunk, BlockPairs& pairs, ChunkMasks& masks,
-                         ChunkOcclusion& occlusion) {
+                         PreparedLines& prepared, ChunkOcclusion& occlusion) {
     // Everything out of reach occludes nothing.
     const glm::vec3 outside =
         glm::max(glm::max(chunk.low - caster.centre, caster.centre - chunk.high), glm::vec3(0));
     if (glm::length(outside) > caster.reach + rule.ao.max_distance) return;
     masks.clear(chunk, slab.count);
-    kernels.add_caster(caster, slab, chunk, pairs, masks);
+    prepared.clusters = 0;
+    kernels.add_caster(caster, slab, chunk, pairs, masks, prepared);
     for (std::size_t k = 0; k < slab.count; ++k) {
         const auto& row = masks.rows[k];
         if (std::all_of(row.begin(), row.begin() + chunk.blocks,
@@ -75,9 +77,9 @@ void add_level_distances(const BatchKernels& kernels, const DirectionCaster& cas
 
 void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster,
                           const DistanceRule& rule, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                          ChunkMasks& masks, ChunkOcclusion& occlusion) {
+                          ChunkMasks& masks, PreparedLines& prepared, ChunkOcclusion& occlusion) {
     for_levels(caster, [&](const DirectionCaster& level) {
-        add_level_distances(kernels, level, rule, slab, chunk, pairs, masks, occlusion);
+        add_level_distances(kernels, level, rule, slab, chunk, pairs, masks, prepared, occlusion);
     });
 }
 

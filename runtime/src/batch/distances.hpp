@@ -32,10 +32,10 @@ struct DistanceRule {
 void add_ground_distances(const Plane& ground, const DistanceRule& rule, const Slab& slab, const Chunk& chunk,
                           ChunkOcclusion& occlusion);
 
-// `masks` is working memory.
+// `masks` and `prepared` are working memory.
 void add_caster_distances(const BatchKernels& kernels, const DirectionCaster& caster,
                           const DistanceRule& rule, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                          ChunkMasks& masks, ChunkOcclusion& occlusion);
+                          ChunkMasks& masks, PreparedLines& prepared, ChunkOcclusion& occlusion);
 
 // Adds weight * |n.w| * occlusion of all pairs to occluded[receiver].
 void add_occlusion(const Slab& slab, const Chunk& chunk, const ChunkOcclusion& occlusion, float* occluded);

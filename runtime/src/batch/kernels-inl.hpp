@@ -208,7 +208,7 @@ HWY_INLINE BlockSides sides_of_block(const DirectionCaster& caster, const Chunk&
 
 // Of `bits`, those whose receivers have the hit ahead. Rare, hence one by one.
 inline std::uint32_t with_hit_ahead(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk,
-                                    const PreparedDirections& prepared, std::size_t k, std::size_t block,
+                                    const PreparedLines& prepared, std::size_t k, std::size_t block,
                                     std::uint32_t bits) {
     std::uint32_t result = 0;
     for (; bits != 0; bits &= bits - 1) {
@@ -244,7 +244,7 @@ HWY_INLINE std::uint32_t words_set(const std::uint16_t* words) {
 struct Coordinate {
     V x, y, z, constant;
 
-    HWY_INLINE Coordinate(F d, const std::array<PreparedDirections::Row, 4>& row, std::size_t k)
+    HWY_INLINE Coordinate(F d, const std::array<PreparedLines::Row, 4>& row, std::size_t k)
         : x(hn::Set(d, row[0][k])),
           y(hn::Set(d, row[1][k])),
           z(hn::Set(d, row[2][k])),
@@ -394,7 +394,7 @@ struct ChunkSides {
 
 template<int kSize>
 void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                      ChunkMasks& masks) {
+                      ChunkMasks& masks, PreparedLines& prepared) {
     const F d;
     constexpr auto kMapSize = static_cast<float>(kSize);
     const std::size_t groups = chunk.groups();
@@ -406,52 +406,47 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
         clusters |= near[g];
     }
     if (clusters == 0) return;
-    PreparedDirections prepared;
     ChunkSides sides;
     const V half_map = hn::Set(d, 0.5f * kMapSize);
 
     for (std::uint32_t rest = clusters; rest != 0; rest &= rest - 1) {
         const auto c = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t first = c * kClusterSize;
-        prepare_directions(caster, slab, first, prepared);
-        // Of the groups near, which lines of the cluster meet them.
-        std::array<std::uint32_t, kChunkBlocks / 16> group, on;
-        std::size_t near_groups = 0;
+        if (!(prepared.clusters >> c & 1)) prepare_lines(caster, slab, first, prepared);
+        prepared.clusters |= 1u << c;
+        // Of the groups near, which lines of the cluster meet them; of each line, which groups.
+        static_assert(kChunkBlocks / 16 <= 8);
+        std::array<std::uint8_t, kClusterSize> groups_of_line{};
         std::uint32_t lines = 0;
         for (std::size_t g = 0; g < groups; ++g) {
             if (!(near[g] >> c & 1)) continue;
-            const std::uint32_t bits =
+            const std::uint32_t on =
                 lines_on_box(prepared, first, chunk.group_low[g], chunk.group_high[g], kMapSize);
-            group[near_groups] = static_cast<std::uint32_t>(g);
-            on[near_groups] = bits;
-            near_groups += bits != 0;
-            lines |= bits;
+            lines |= on;
+            for (std::uint32_t rest_on = on; rest_on != 0; rest_on &= rest_on - 1)
+                groups_of_line[static_cast<std::size_t>(std::countr_zero(rest_on))] |=
+                    static_cast<std::uint8_t>(1u << g);
         }
         for (; lines != 0; lines &= lines - 1) {
-            const int place = std::countr_zero(lines);
-            const std::size_t k = first + static_cast<std::size_t>(place);
-            // Of the groups, those with a block to ask about.
-            std::array<std::uint32_t, kChunkBlocks / 16> asked;
-            std::size_t asked_groups = 0;
-            for (std::size_t i = 0; i < near_groups; ++i) {
-                asked[asked_groups] = group[i];
-                asked_groups += (on[i] >> place & 1) && pairs.rows[k][group[i]] != 0;
-            }
-            if (asked_groups == 0) continue;
+            const auto place = static_cast<std::size_t>(std::countr_zero(lines));
+            const std::size_t k = first + place;
             const Coordinate u(d, prepared.u, k), v(d, prepared.v, k);
             auto& row = masks.rows[k];
             // First which blocks, then the lookups: a loop an end, not one for every sixteen blocks, whose
             // ends no processor foresees.
             BlockList plain, special;
-            for (std::size_t i = 0; i < asked_groups; ++i) {
-                const std::size_t g = asked[i];
-                const std::uint32_t open = pairs.rows[k][g] & open_words(&row[16 * g], &chunk.lanes[16 * g]);
+            for (std::uint32_t left = groups_of_line[place]; left != 0; left &= left - 1) {
+                const auto g = static_cast<std::size_t>(std::countr_zero(left));
+                const std::uint32_t asked = pairs.rows[k][g];
+                if (asked == 0) continue;
+                const std::uint32_t open = asked & open_words(&row[16 * g], &chunk.lanes[16 * g]);
                 pairs.rows[k][g] = static_cast<std::uint16_t>(open);
                 const std::uint32_t blocks = open & blocks_on_map(d, chunk, 16 * g, u, v, half_map);
-                if (const std::uint32_t missing = blocks & ~sides.known[g])
+                if (const std::uint32_t missing = blocks & ~std::uint32_t{sides.known[g]})
                     sides.find(caster, chunk, g, missing);
                 plain.append(16 * g, blocks & sides.plain[g]);
-                special.append(16 * g, blocks & ~(sides.plain[g] | std::uint32_t{sides.hidden[g]}));
+                if (const std::uint32_t others = blocks & ~(sides.plain[g] | std::uint32_t{sides.hidden[g]}))
+                    special.append(16 * g, others);
             }
             if (plain.size + special.size == 0) continue;
             const MapRegisters<kSize> map(
@@ -493,22 +488,25 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
 }
 
 inline void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                      ChunkMasks& masks) {
+                      ChunkMasks& masks, PreparedLines& prepared) {
     switch (caster.maps.parameters.map_size) {
         case 16:
-            return add_caster_sized<16>(caster, slab, chunk, pairs, masks);
+            return add_caster_sized<16>(caster, slab, chunk, pairs, masks, prepared);
         case 32:
-            return add_caster_sized<32>(caster, slab, chunk, pairs, masks);
+            return add_caster_sized<32>(caster, slab, chunk, pairs, masks, prepared);
         case 64:
-            return add_caster_sized<64>(caster, slab, chunk, pairs, masks);
+            return add_caster_sized<64>(caster, slab, chunk, pairs, masks, prepared);
         default:
-            return add_caster_sized<128>(caster, slab, chunk, pairs, masks);
+            return add_caster_sized<128>(caster, slab, chunk, pairs, masks, prepared);
     }
 }
 
 inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                       ChunkMasks& masks) {
-    for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, pairs, masks); });
+                       ChunkMasks& masks, PreparedLines& prepared) {
+    for_levels(caster, [&](const DirectionCaster& level) {
+        if (!caster.levels.empty()) prepared.clusters = 0;
+        add_level(level, slab, chunk, pairs, masks, prepared);
+    });
 }
 
 // Weight times |n.w| for sixteen normals, n.w being `cosine`; the ends' weights may differ.

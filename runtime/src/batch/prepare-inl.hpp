@@ -1,5 +1,5 @@
-// Carrying a cluster of world directions into an instance: which stored direction stands for each, and the
-// affine map from a receiver's position to its texel. The vector form of DirectionLookup's constructor.
+// Carrying a cluster of lines into an instance: which stored direction stands for each, and the affine map
+// from a receiver's position to its texel. The vector form of DirectionLookup's constructor.
 #if defined(DFIELD_PREPARE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef DFIELD_PREPARE_INL
 #undef DFIELD_PREPARE_INL
@@ -12,30 +12,13 @@
 #include <array>
 
 #include "batch/map_lookup-inl.hpp"
+#include "batch/prepared.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::HWY_NAMESPACE {
 
 // More texels than rounding of a receiver's coordinates, its block's box and both's sums amounts to.
 constexpr float kTexelMargin = 0.02f;
-
-// For each direction of a slab: texel coordinates u = row[0] x + row[1] y + row[2] z + row[3] of a world
-// position.
-struct PreparedDirections {
-    using Row = std::array<float, kSlab>;
-    alignas(64) std::array<Row, 4> u, v;
-    alignas(64) std::array<Row, 3> direction;  // the stored one, unit space
-    alignas(64) std::array<std::uint32_t, kSlab> index;
-
-    MapPlace place(std::size_t k, const glm::vec3& position, const Instance& instance) const {
-        const auto coordinate = [&](const std::array<Row, 4>& row) {
-            return row[0][k] * position.x + row[1][k] * position.y + row[2][k] * position.z + row[3][k];
-        };
-        const glm::vec3 d(direction[0][k], direction[1][k], direction[2][k]);
-        return {index[k], std::max(coordinate(u), 0.0f), std::max(coordinate(v), 0.0f),
-                glm::dot(d, instance.carry_point(position)), d};
-    }
-};
 
 struct V3 {
     V x, y, z;
@@ -113,8 +96,8 @@ HWY_INLINE V gathered_float(F d, const float* values, hn::Vec<I> index) {
 }
 
 // Fills columns first to first + kClusterSize.
-inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, std::size_t first,
-                               PreparedDirections& out) {
+inline void prepare_lines(const DirectionCaster& caster, const Slab& slab, std::size_t first,
+                          PreparedLines& out) {
     const F d;
     const I in;
     const Instance& instance = caster.instance;
@@ -200,7 +183,7 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
         const V offset =
             hn::Mul(hn::NegMulAdd(slope_u, centre_u, hn::NegMulAdd(slope_v, centre_v, depth)), inverse);
         const auto store = [&](V3 axis, V local, V centre, V half,
-                               std::array<PreparedDirections::Row, 4>& row) HWY_ATTR {
+                               std::array<PreparedLines::Row, 4>& row) HWY_ATTR {
             const V scale = hn::Div(half_map, half);
             const V3 g = scaled(scale, plus_scaled(axis, local, gradient));
             V constant = hn::MulAdd(scale, hn::MulSub(local, offset, centre), half_map);
@@ -224,13 +207,13 @@ inline void prepare_directions(const DirectionCaster& caster, const Slab& slab, 
 }
 
 // Of the cluster's lines, those whose map a receiver within the box can meet.
-HWY_INLINE std::uint32_t lines_on_box(const PreparedDirections& prepared, std::size_t first,
-                                      const glm::vec3& low, const glm::vec3& high, float map_size) {
+HWY_INLINE std::uint32_t lines_on_box(const PreparedLines& prepared, std::size_t first, const glm::vec3& low,
+                                      const glm::vec3& high, float map_size) {
     const F d;
     const glm::vec3 middle = 0.5f * (low + high), half = 0.5f * (high - low);
     std::uint32_t result = 0;
     for (std::size_t i = 0; i < kClusterSize; i += hn::Lanes(d)) {
-        const auto inside = [&](const std::array<PreparedDirections::Row, 4>& row) HWY_ATTR {
+        const auto inside = [&](const std::array<PreparedLines::Row, 4>& row) HWY_ATTR {
             V centre = hn::Load(d, &row[3][first + i]), extent = hn::Set(d, kTexelMargin);
             for (int c = 0; c < 3; ++c) {
                 const V a = hn::Load(d, &row[c][first + i]);

@@ -93,7 +93,7 @@ void add_level(const DirectionCaster& caster, const Slab& slab, const Chunk& chu
 }
 
 void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
-                ChunkMasks& masks) {
+                ChunkMasks& masks, PreparedLines&) {
     for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, pairs, masks); });
 }
 
