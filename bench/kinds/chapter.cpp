@@ -181,7 +181,7 @@ void write_plots(const Report& report, paper::Page& page) {
 
 void write_instances(const Report& report, paper::Page& page) {
     page.heading(3, "Many instances");
-    page.paragraph("Objects over a ground that receives, by the direction maps of the first size, " +
+    page.paragraph("Objects over a ground that receives, by direction maps, " +
                    std::to_string(kSharedDirections) +
                    " shared directions. A frame: all transforms set, the hierarchy refitted, all receivers "
                    "looked up from scratch, "
@@ -192,10 +192,10 @@ void write_instances(const Report& report, paper::Page& page) {
                    "instance moves by a frame's step, and the receivers that it can affect are computed "
                    "again; the result is "
                    "compared with a whole query's, bit by bit.");
-    paper::Table table({"layout", "receivers", "rays", "frame, ms", "Embree, s", "×", "RMS", "one moved, ms",
-                        "of the frame", "receivers looked at", "two threads, ×"});
+    paper::Table table({"layout", "maps", "receivers", "rays", "frame, ms", "Embree, s", "×", "RMS",
+                        "one moved, ms", "of the frame", "receivers looked at", "two threads, ×"});
     for (const InstancesRow& row : report.instances)
-        table.row({row.layout, paper::grouped(row.receivers), paper::grouped(row.rays),
+        table.row({row.layout, row.maps, paper::grouped(row.receivers), paper::grouped(row.rays),
                    text("%.2f", row.frame_seconds * 1e3), text("%.3f", row.embree_seconds),
                    text("%.0f", row.speedup()), text("%.2f", row.rms), text("%.3f", row.moved_seconds * 1e3),
                    text("%.2f%%", 100 * row.moved_seconds / row.frame_seconds),
@@ -269,6 +269,7 @@ cli::Json kinds_json(const Report& report) {
     }
     for (const InstancesRow& row : report.instances)
         json["instances"].push_back({{"layout", row.layout},
+                                     {"maps", row.maps},
                                      {"instances", row.instances},
                                      {"receivers", row.receivers},
                                      {"rays", row.rays},

@@ -10,7 +10,7 @@
 
 #include "baker/embree_scene.hpp"
 #include "baker/parallel.hpp"
-#include "bench/kinds/sphere_directions.hpp"
+#include "format/hemisphere_map.hpp"
 
 namespace dfield::kinds {
 namespace {
@@ -101,7 +101,7 @@ DistanceField::DistanceField(const TriangleMesh& mesh, const DistanceFieldParame
     EmbreeScene scene(EmbreeUse::kFast);
     scene.add_mesh(mesh);
     scene.commit();
-    const std::vector<glm::vec3> directions = sphere_directions(kVotes);
+    const std::vector<glm::vec3> directions = fibonacci_sphere(kVotes);
     const std::size_t count = std::size_t{size_} * size_ * size_;
     nodes_.assign(count + 4, 0);
     parallel_ranges(0, count, 256, [&](std::size_t begin, std::size_t end) {

@@ -8,7 +8,7 @@
 
 #include "baker/embree_scene.hpp"
 #include "baker/parallel.hpp"
-#include "bench/kinds/sphere_directions.hpp"
+#include "format/hemisphere_map.hpp"
 
 namespace dfield::kinds {
 namespace {
@@ -18,7 +18,7 @@ constexpr std::size_t kPacket = 16;
 // The cosine-weighted share of the hemisphere that a cap hides, for all caps: by summing up directions.
 std::vector<float> cap_table() {
     constexpr std::uint32_t kDirections = 8192;
-    const std::vector<glm::vec3> directions = sphere_directions(kDirections);
+    const std::vector<glm::vec3> directions = fibonacci_sphere(kDirections);
     std::vector<float> table(std::size_t{OcclusionGrid::kCapSizes} * OcclusionGrid::kCapCosines);
     std::vector<std::pair<float, float>> by_angle(kDirections);  // cosine to the cap's middle, weight
     for (std::int32_t c = 0; c < OcclusionGrid::kCapCosines; ++c) {
@@ -89,7 +89,7 @@ OcclusionGrid::OcclusionGrid(const TriangleMesh& mesh, const OcclusionGridParame
     EmbreeScene scene(EmbreeUse::kFast);
     scene.add_mesh(mesh);
     scene.commit();
-    const std::vector<glm::vec3> directions = sphere_directions(parameters.rays);
+    const std::vector<glm::vec3> directions = fibonacci_sphere(parameters.rays);
     nodes_.resize(std::size_t{size_} * size_ * size_);
     parallel_ranges(0, nodes_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -39,7 +39,7 @@ struct Row {
 
 // A layout of many instances, whole frames from scratch and one instance moved.
 struct InstancesRow {
-    std::string layout;
+    std::string layout, maps;
     std::size_t instances = 0, receivers = 0, rays = 0;
     double frame_seconds = 0;  // transforms set, hierarchy refitted, all receivers looked up
     double embree_seconds = 0;

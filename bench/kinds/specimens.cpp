@@ -44,6 +44,10 @@ Specimen directions(const paper::Lab& lab, std::uint32_t subdivision, std::uint3
 
 }  // namespace
 
+Specimen direction_specimen(const paper::Lab& lab, std::uint32_t n, std::uint32_t m) {
+    return directions(lab, n, m, false);
+}
+
 std::vector<Specimen> specimens(const paper::Lab& lab, bool sweep) {
     std::vector<Specimen> result{maps(lab, 32, 32, 8, true),    maps(lab, 32, 32, 1, true),
                                  lines(lab, 33, false, true),   lines(lab, 33, true, true),

@@ -36,22 +36,6 @@ inline Ball ball_of(const glm::vec3& low, const glm::vec3& high) {
     return {0.5f * (low + high), 0.5f * glm::length(high - low)};
 }
 
-// Of each sixteen blocks.
-inline std::array<Ball, kChunkBlocks / 16> group_balls(const Chunk& chunk) {
-    std::array<Ball, kChunkBlocks / 16> balls;
-    for (std::size_t group = 0; group < chunk.groups(); ++group) {
-        glm::vec3 low(INFINITY), high(-INFINITY);
-        for (std::size_t b = 16 * group; b < std::min(16 * group + 16, chunk.blocks); ++b) {
-            const glm::vec3 centre(chunk.centre_x[b], chunk.centre_y[b], chunk.centre_z[b]);
-            const glm::vec3 half(chunk.half_x[b], chunk.half_y[b], chunk.half_z[b]);
-            low = glm::min(low, centre - half);
-            high = glm::max(high, centre + half);
-        }
-        balls[group] = ball_of(low, high);
-    }
-    return balls;
-}
-
 // Whether a line of the cluster through a ball may come near the caster.
 inline bool may_meet(const Ball& ball, const DirectionCluster& cluster, const DirectionCaster& caster) {
     const glm::vec3 away = caster.centre - ball.centre;
@@ -76,7 +60,6 @@ void for_lines(std::uint32_t clusters, const Use& use) {
 inline void find_near(const Chunk& chunk, const Slab& slab, const BlockPairs& pairs,
                       std::span<const DirectionCaster> casters, BlockPairs& result) {
     const Ball whole = ball_of(chunk.low, chunk.high);
-    const std::array<Ball, kChunkBlocks / 16> balls = group_balls(chunk);
     result.clusters = 0;
     for (std::uint32_t rest = pairs.clusters; rest != 0; rest &= rest - 1) {
         const auto c = static_cast<std::size_t>(std::countr_zero(rest));
@@ -85,7 +68,10 @@ inline void find_near(const Chunk& chunk, const Slab& slab, const BlockPairs& pa
         for (const DirectionCaster& caster : casters) {
             if (!may_meet(whole, cluster, caster)) continue;
             for (std::size_t group = 0; group < chunk.groups(); ++group)
-                groups |= std::uint32_t{may_meet(balls[group], cluster, caster)} << group;
+                groups |=
+                    std::uint32_t{may_meet({chunk.group_boxes[group].middle, chunk.group_boxes[group].radius},
+                                           cluster, caster)}
+                    << group;
         }
         if (groups == 0) continue;
         result.clusters |= 1u << c;

@@ -23,6 +23,11 @@ inline constexpr std::size_t kLanes = 16;         // receivers in a block
 inline constexpr std::size_t kChunkBlocks = 128;  // blocks in a chunk; a multiple of kLanes
 inline constexpr std::size_t kSlab = 256;         // lines at a time
 
+struct GroupBox {
+    glm::vec3 middle, half;
+    float radius;  // half its diagonal
+};
+
 // Receivers of a chunk. Lanes without a receiver repeat one; blocks beyond `blocks`, up to a multiple of
 // kLanes, have boxes that nothing meets.
 struct Chunk {
@@ -36,9 +41,8 @@ struct Chunk {
     alignas(64) std::array<std::uint16_t, kChunkBlocks> lanes;  // bits of the lanes that hold a receiver
     std::array<dfield_instance, kChunkBlocks * kLanes> owners;  // DFIELD_NO_INSTANCE for none
     bool any_owner = false;
-    // Of all boxes, and of sixteen blocks together.
-    glm::vec3 low, high;
-    std::array<glm::vec3, kChunkBlocks / 16> group_low, group_high;
+    glm::vec3 low, high;                                  // of all boxes
+    std::array<GroupBox, kChunkBlocks / 16> group_boxes;  // of sixteen blocks together
     // Blocks in which a lane has no receiver, or one with an owner.
     std::array<std::uint16_t, kChunkBlocks / 16> irregular;
     // Blocks whose normals are all the same, and the axis too: floors, walls.

@@ -110,8 +110,9 @@ void build_chunk(const BatchKernels& kernels, const dfield_receivers& receivers,
 void finish_chunk(const BatchKernels& kernels, Chunk& chunk) {
     chunk.low = glm::vec3(INFINITY);
     chunk.high = glm::vec3(-INFINITY);
-    chunk.group_low.fill(chunk.low);
-    chunk.group_high.fill(chunk.high);
+    std::array<glm::vec3, kChunkBlocks / 16> group_low, group_high;
+    group_low.fill(chunk.low);
+    group_high.fill(chunk.high);
     chunk.irregular.fill(0);
     chunk.flat.fill(0);
     for (std::size_t b = 0; b < chunk.blocks; ++b) {
@@ -132,16 +133,20 @@ void finish_chunk(const BatchKernels& kernels, Chunk& chunk) {
         chunk.half_x[b] = half.x;
         chunk.half_y[b] = half.y;
         chunk.half_z[b] = half.z;
-        chunk.low = glm::min(chunk.low, centre - half);
-        chunk.high = glm::max(chunk.high, centre + half);
-        chunk.group_low[b / 16] = glm::min(chunk.group_low[b / 16], centre - half);
-        chunk.group_high[b / 16] = glm::max(chunk.group_high[b / 16], centre + half);
+        group_low[b / 16] = glm::min(group_low[b / 16], centre - half);
+        group_high[b / 16] = glm::max(group_high[b / 16], centre + half);
         chunk.axis_x[b] = axis.x;
         chunk.axis_y[b] = axis.y;
         chunk.axis_z[b] = axis.z;
         // A direction faces some normal of a cone if its cosine with the axis is above -sine; cones of more
         // than a hemisphere face everything.
         chunk.sine[b] = cosine > 0 ? std::sqrt(std::max(0.0f, 1 - cosine * cosine)) + 1e-5f : 2.0f;
+    }
+    for (std::size_t g = 0; g < chunk.groups(); ++g) {
+        const glm::vec3 half = 0.5f * (group_high[g] - group_low[g]);
+        chunk.group_boxes[g] = {group_low[g] + half, half, glm::length(half)};
+        chunk.low = glm::min(chunk.low, group_low[g]);
+        chunk.high = glm::max(chunk.high, group_high[g]);
     }
     for (std::size_t b = chunk.blocks; b < std::min(kChunkBlocks, (chunk.blocks + 15) / 16 * 16); ++b) {
         chunk.centre_x[b] = chunk.centre_y[b] = chunk.centre_z[b] = 0;

@@ -105,12 +105,11 @@ inline void add_ground(const Plane& ground, const Slab& slab, const Chunk& chunk
 }
 
 // Which clusters of the slab hold a line that through some point of a box may come near the caster.
-HWY_INLINE std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const glm::vec3& low,
-                                       const glm::vec3& high) {
+HWY_INLINE std::uint32_t clusters_near(const DirectionCaster& caster, const Slab& slab, const GroupBox& box) {
     const F d;
-    const glm::vec3 away = caster.centre - 0.5f * (low + high);
+    const glm::vec3 away = caster.centre - box.middle;
     const float distance = std::sqrt(glm::dot(away, away));
-    const float reach = 1.0001f * (caster.reach + 0.5f * glm::length(high - low));
+    const float reach = 1.0001f * (caster.reach + box.radius);
     if (!(reach < distance)) return ~0u;
     // The angle between axis and line of centres is at most the sum of both cones' (lines have no sense).
     const float sine = reach / distance;
@@ -402,7 +401,7 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
     std::array<std::uint32_t, kChunkBlocks / 16> near;
     std::uint32_t clusters = 0;
     for (std::size_t g = 0; g < groups; ++g) {
-        near[g] = pairs.clusters & clusters_near(caster, slab, chunk.group_low[g], chunk.group_high[g]);
+        near[g] = pairs.clusters & clusters_near(caster, slab, chunk.group_boxes[g]);
         clusters |= near[g];
     }
     if (clusters == 0) return;
@@ -420,8 +419,7 @@ void add_caster_sized(const DirectionCaster& caster, const Slab& slab, const Chu
         std::uint32_t lines = 0;
         for (std::size_t g = 0; g < groups; ++g) {
             if (!(near[g] >> c & 1)) continue;
-            const std::uint32_t on =
-                lines_on_box(prepared, first, chunk.group_low[g], chunk.group_high[g], kMapSize);
+            const std::uint32_t on = lines_on_box(prepared, first, chunk.group_boxes[g], kMapSize);
             lines |= on;
             for (std::uint32_t rest_on = on; rest_on != 0; rest_on &= rest_on - 1)
                 groups_of_line[static_cast<std::size_t>(std::countr_zero(rest_on))] |=

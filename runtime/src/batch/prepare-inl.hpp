@@ -207,21 +207,20 @@ inline void prepare_lines(const DirectionCaster& caster, const Slab& slab, std::
 }
 
 // Of the cluster's lines, those whose map a receiver within the box can meet.
-HWY_INLINE std::uint32_t lines_on_box(const PreparedLines& prepared, std::size_t first, const glm::vec3& low,
-                                      const glm::vec3& high, float map_size) {
+HWY_INLINE std::uint32_t lines_on_box(const PreparedLines& prepared, std::size_t first, const GroupBox& box,
+                                      float map_size) {
     const F d;
-    const glm::vec3 middle = 0.5f * (low + high), half = 0.5f * (high - low);
+    const V half_map = hn::Set(d, 0.5f * map_size), margin = hn::Set(d, 0.5f * map_size + kTexelMargin);
     std::uint32_t result = 0;
     for (std::size_t i = 0; i < kClusterSize; i += hn::Lanes(d)) {
         const auto inside = [&](const std::array<PreparedLines::Row, 4>& row) HWY_ATTR {
-            V centre = hn::Load(d, &row[3][first + i]), extent = hn::Set(d, kTexelMargin);
+            V centre = hn::Sub(hn::Load(d, &row[3][first + i]), half_map), extent = margin;
             for (int c = 0; c < 3; ++c) {
-                const V a = hn::Load(d, &row[c][first + i]);
-                centre = hn::MulAdd(a, hn::Set(d, middle[c]), centre);
-                extent = hn::MulAdd(hn::Abs(a), hn::Set(d, half[c]), extent);
+                const V a = hn::Load(d, &row[static_cast<std::size_t>(c)][first + i]);
+                centre = hn::MulAdd(a, hn::Set(d, box.middle[c]), centre);
+                extent = hn::MulAdd(hn::Abs(a), hn::Set(d, box.half[c]), extent);
             }
-            return hn::And(hn::Ge(hn::Add(centre, extent), hn::Zero(d)),
-                           hn::Le(hn::Sub(centre, extent), hn::Set(d, map_size)));
+            return hn::Le(hn::Abs(centre), extent);
         };
         result |= mask_bits(d, hn::And(inside(prepared.u), inside(prepared.v))) << i;
     }
