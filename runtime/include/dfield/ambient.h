@@ -43,8 +43,9 @@ typedef struct dfield_ao_desc {
     float falloff_rate;         /* EXPONENTIAL: k > 0 */
     const float* falloff_table; /* TABLE: visibility V in [0,1] at even steps of distance, copied */
     size_t falloff_table_size;  /* 2..65536 */
-    /* Null: cosine-weighted; shared: spherical Fibonacci points. Otherwise 3 * ray_count floats, unit, around
-       +z (the normal, z >= 0); shared: anywhere. Copied. */
+    /* Null: cosine-weighted; shared: spherical Fibonacci points of the upper half and their opposites
+       (opposite directions, here and in what is given, are looked up as one line: half the work). Otherwise 3
+       * ray_count floats, unit, around +z (the normal, z >= 0); shared: anywhere. Copied. */
     const float* directions;
     /* Only with directions: ray_count floats >= 0 that sum to 1; null: even. Shared: any sum, they multiply
        max(0, n.w). Copied. */
