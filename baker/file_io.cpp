@@ -79,7 +79,7 @@ void check_output(const fs::path& path) {
         throw OutputError(path.string() + ": cannot be written: a folder of that name exists");
 }
 
-void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
+void write_file_atomic(const fs::path& path, const std::function<void(std::ostream&)>& write) {
     check_output(path);
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
@@ -92,13 +92,19 @@ void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
     errno = 0;
     std::ofstream file(target, std::ios::binary | std::ios::trunc);
     if (!file) throw OutputError(path.string() + ": cannot be created: " + reason_of_errno());
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    write(file);
     file.close();  // flushes: a full disk shows here at the latest
     if (!file) throw OutputError(path.string() + ": cannot be written: " + reason_of_errno());
     if (special) return;
     fs::rename(temporary.path(), path, error);
     if (error) throw OutputError(path.string() + ": cannot be written: " + error.message());
     temporary.keep();
+}
+
+void write_file_atomic(const fs::path& path, std::span<const std::byte> bytes) {
+    write_file_atomic(path, [&](std::ostream& file) {
+        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    });
 }
 
 void write_file_atomic(const fs::path& path, std::string_view text) {

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     cli::add_validate_command(app, exit_code);
     cli::add_ao_command(app, exit_code);
     cli::add_compare_command(app, exit_code);
+    cli::add_volume_command(app, exit_code);
     cli::install_interrupt_handler();
     try {
         app.parse(argc, argv);
@@ -42,7 +43,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "dfield: %s\n", error.what());
         return static_cast<int>(error.code());
     } catch (const std::bad_alloc&) {
-        std::fputs("dfield: out of memory; lower --subdivision or --map-size\n", stderr);
+        std::fputs("dfield: out of memory; lower --subdivision or --map-size, or take a smaller volume\n", stderr);
         return static_cast<int>(ExitCode::kInternal);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "dfield: internal error: %s\n", error.what());

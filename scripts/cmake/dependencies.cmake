@@ -48,6 +48,12 @@ if(DFIELD_BUILD_BAKER)
   dfield_find_package(CLI11 libcli11-dev)
   dfield_find_header(DFIELD_STB_INCLUDE stb_image_write.h libstb-dev stb)
   dfield_find_library(DFIELD_STB_LIBRARY stb libstb-dev)
+  # Teem's and NIfTI's CMake packages name files of packages that nothing here needs.
+  dfield_find_header(DFIELD_TEEM_INCLUDE teem/nrrd.h libteem-dev)
+  dfield_find_library(DFIELD_TEEM_LIBRARY teem libteem-dev)
+  dfield_find_header(DFIELD_NIFTI_INCLUDE nifti2_io.h libnifti2-dev nifti)
+  dfield_find_library(DFIELD_NIFTI_LIBRARY nifti2 libnifti2-dev)
+  dfield_find_package(ZLIB zlib1g-dev)
 endif()
 
 if(DFIELD_BUILD_TESTS)

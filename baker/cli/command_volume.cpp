@@ -1,0 +1,13 @@
+#include "baker/cli/command_volume.hpp"
+
+#include "baker/cli/commands.hpp"
+
+namespace dfield::cli {
+
+void add_volume_command(CLI::App& app, ExitCode&) {
+    CLI::App* volume = app.add_subcommand("volume", "Volumes: densities on a grid, such as CT scans");
+    volume->require_subcommand(1);
+    add_volume_info_command(*volume);
+}
+
+}  // namespace dfield::cli

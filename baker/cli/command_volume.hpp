@@ -1,0 +1,10 @@
+// The commands below `dfield volume`, one function each; they work as those of commands.hpp do.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace dfield::cli {
+
+void add_volume_info_command(CLI::App& volume);
+
+}  // namespace dfield::cli
