@@ -15,7 +15,7 @@ void print_info(const std::string& target, const Json& json, const Volume& volum
     };
     line("file", json["file"].get<std::string>() + ", " + json["format"].get<std::string>());
     line("voxels", size_text(grid.size) + ", " + name_of(volume.type));
-    line("range", json["range"][0].dump() + " to " + json["range"][1].dump());
+    line("range", text("%g to %g", json["range"][0].get<double>(), json["range"][1].get<double>()));
     line("spacing", vector_text(grid.spacing()) + (grid.unit.empty() ? "" : " " + grid.unit));
     line("origin", vector_text(grid.origin));
     for (int axis = 0; axis < 3; ++axis)

@@ -111,6 +111,11 @@ class HeaderReader {
             }
             if (text[0] != '#') field(text);
         }
+        // Teem looks for missing fields only in files, not in strings.
+        for (const std::string_view required : {"type", "dimension", "sizes", "encoding"})
+            if (std::find(seen_.begin(), seen_.end(), required) == seen_.end())
+                throw InputError(path_.string() + ": its header has no '" + std::string(required) +
+                                 ":' before the blank line or its end; add it");
         if (!header_.detached) {
             if (!blank_line_)
                 throw InputError(
@@ -167,6 +172,7 @@ class HeaderReader {
                 if (!is_number(token))
                     fail(quoted(token) + " in '" + text.substr(0, colon) + "' is no number");
         header_.fields += text + '\n';
+        seen_.push_back(known->name);
     }
 
     void data_file(std::string_view value) {
@@ -241,6 +247,7 @@ class HeaderReader {
     std::string text_;
     std::size_t position_ = 0, line_number_ = 0;
     bool cut_ = false, blank_line_ = false;
+    std::vector<std::string_view> seen_;  // fields
     NrrdHeader header_;
 };
 

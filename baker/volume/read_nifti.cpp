@@ -162,10 +162,14 @@ class NiftiReader {
 
     static std::string unit_name(int unit) {
         switch (unit) {
-        case NIFTI_UNITS_METER: return "m";
-        case NIFTI_UNITS_MM: return "mm";
-        case NIFTI_UNITS_MICRON: return "um";
-        default: return {};
+            case NIFTI_UNITS_METER:
+                return "m";
+            case NIFTI_UNITS_MM:
+                return "mm";
+            case NIFTI_UNITS_MICRON:
+                return "um";
+            default:
+                return {};
         }
     }
 

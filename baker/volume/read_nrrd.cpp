@@ -34,10 +34,6 @@ class FieldReader {
         state_->skipData = 1;
         if (nrrdStringRead(nrrd_.get(), header.fields.c_str(), state_.get()) != 0)
             fail(lock_.error() + "; correct the header");
-        // Teem looks for missing fields only in files, not in strings.
-        for (const int field : {nrrdField_type, nrrdField_dimension, nrrdField_sizes, nrrdField_encoding})
-            if (state_->seen[field] == 0)
-                fail(std::string("its header has no '") + airEnumStr(nrrdField, field) + ":'; add it");
     }
 
     NrrdFields read() {
@@ -50,6 +46,9 @@ class FieldReader {
         fields.byte_skip = state_->byteSkip;
         if (fields.byte_skip < (fields.encoding == Encoding::kRaw ? -1 : 0))
             fail("byte skip " + std::to_string(fields.byte_skip) + " is not for this encoding");
+        if (nrrd_->spaceDim != 0 && nrrd_->spaceDim != 3)
+            fail("its space has " + std::to_string(nrrd_->spaceDim) +
+                 " dimensions, dfield knows three; remove the fields of space and give 'spacings'");
         const std::array<unsigned, 3> axes = spatial_axes();
         for (std::size_t i = 0; i < 3; ++i) fields.grid.size[i] = nrrd_->axis[axes[i]].size;
         place(fields.grid, axes);
@@ -138,9 +137,6 @@ class FieldReader {
 
     void place(VolumeGrid& grid, const std::array<unsigned, 3>& axes) const {
         if (nrrd_->spaceDim != 0) {
-            if (nrrd_->spaceDim != 3)
-                fail("its space has " + std::to_string(nrrd_->spaceDim) +
-                     " dimensions, dfield knows three; remove the fields of space and give 'spacings'");
             grid.space =
                 nrrd_->space != nrrdSpaceUnknown ? airEnumStr(nrrdSpace, nrrd_->space) : kUnnamedSpace;
             if (nrrd_->spaceUnits[0] != nullptr) grid.unit = nrrd_->spaceUnits[0];

@@ -15,12 +15,13 @@ std::mutex teem_mutex;
 TeemLock::TeemLock() : lock_(teem_mutex) {}
 
 TeemLock::~TeemLock() {
-    std::free(biffGetDone(NRRD));  // whatever nobody asked for
+    if (biffCheck(NRRD) != 0) biffDone(NRRD);  // what nobody asked for
 }
 
 std::string TeemLock::error() const {
-    const std::unique_ptr<char, decltype(&std::free)> said(biffGetDone(NRRD), &std::free);
     std::string reason = "teem does not say why";
+    if (biffCheck(NRRD) == 0) return reason;  // asked for messages that are not there, teem prints a warning
+    const std::unique_ptr<char, decltype(&std::free)> said(biffGetDone(NRRD), &std::free);
     if (said == nullptr) return reason;
     std::istringstream lines(said.get());
     for (std::string line; std::getline(lines, line);) {

@@ -43,7 +43,6 @@ void place(Nrrd& nrrd, const VolumeGrid& grid) {
         for (int i = 0; i < 3; ++i) {
             NrrdAxisInfo& axis = nrrd.axis[i];
             axis.spacing = grid.directions[i][i];
-            if (!grid.unit.empty()) axis.units = airStrdup(grid.unit.c_str());
             if (grid.origin != glm::dvec3(0)) {
                 axis.min = grid.origin[i];
                 axis.center = nrrdCenterNode;
@@ -79,9 +78,18 @@ std::string header_of(const std::filesystem::path& path, const VolumeGrid& grid,
     void* voxels = const_cast<std::byte*>(components[0].data());
     if (nrrdWrap_nva(nrrd.get(), voxels, teem_type(type), axes, sizes) != 0) fail();
     place(*nrrd, grid);
+    // Teem writes the units of labelled axes only, and reads through a null pointer where such an axis has
+    // none.
+    static constexpr const char* kNames[] = {"x", "y", "z", "component"};
+    const bool units = grid.space.empty() && !grid.unit.empty();
     for (unsigned i = 0; i < axes; ++i) {
-        nrrd->axis[i].kind = i < 3 ? nrrdKindDomain : nrrdKindList;
-        if (!options.labels.empty()) nrrd->axis[i].label = airStrdup(options.labels[i].c_str());
+        NrrdAxisInfo& axis = nrrd->axis[i];
+        axis.kind = i < 3 ? nrrdKindDomain : nrrdKindList;
+        if (!options.labels.empty())
+            axis.label = airStrdup(options.labels[i].c_str());
+        else if (units)
+            axis.label = airStrdup(kNames[i]);
+        if (units) axis.units = airStrdup(i < 3 ? grid.unit.c_str() : "");
     }
     if (!options.content.empty()) nrrd->content = airStrdup(options.content.c_str());
     state->encoding = options.gzip ? nrrdEncodingGzip : nrrdEncodingRaw;

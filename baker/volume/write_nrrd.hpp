@@ -12,9 +12,9 @@
 namespace dfield {
 
 struct NrrdOptions {
-    bool gzip = false;                // ParaView reads raw voxels only
-    std::string content;              // what the volume is, a line; empty: not said
-    std::vector<std::string> labels;  // of the axes x, y, z and the components; empty or one for each axis
+    bool gzip = false;                  // ParaView reads raw voxels only
+    std::string content{};              // what the volume is, a line; empty: not said
+    std::vector<std::string> labels{};  // of the axes x, y, z and the components; empty or one for each axis
 };
 
 // One value a voxel, or several: each of the `components` holds grid.voxels() voxels of `type` in this
