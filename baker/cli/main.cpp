@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
         "  dfield bake bunny.obj -o bunny.dfield          one model\n"
         "  dfield bake models/*.glb -o baked/             a folder of them; unchanged ones are skipped\n"
         "  dfield ao room.glb -o room-ao.glb              ambient occlusion at every vertex of a scene\n"
+        "  dfield volume info brain.nii.gz                size, type and place of a volume\n"
         "  dfield compare --caster bunny.obj --image c.png  lookup against ray casting, numbers and "
         "pictures\n"
         "\n"
@@ -43,7 +44,8 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "dfield: %s\n", error.what());
         return static_cast<int>(error.code());
     } catch (const std::bad_alloc&) {
-        std::fputs("dfield: out of memory; lower --subdivision or --map-size, or take a smaller volume\n", stderr);
+        std::fputs("dfield: out of memory; lower --subdivision or --map-size, or take a smaller volume\n",
+                   stderr);
         return static_cast<int>(ExitCode::kInternal);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "dfield: internal error: %s\n", error.what());

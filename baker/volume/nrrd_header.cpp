@@ -17,7 +17,7 @@ constexpr std::size_t kMaxHeaderBytes = 1 << 20;
 constexpr std::size_t kMaxFieldBytes = 2048;
 constexpr std::size_t kMaxDataFiles = 65536;
 
-enum class Values { kText, kIntegers, kNumbers, kIgnored, kDataFile };
+enum class Values { kText, kIntegers, kNumbers, kUnits, kIgnored, kDataFile };
 
 struct Field {
     std::string_view name;  // in lower case, without blanks
@@ -39,8 +39,8 @@ constexpr std::array kFields{
     Field{"centers", Values::kText},
     Field{"centerings", Values::kText},
     Field{"kinds", Values::kText},
-    Field{"units", Values::kText},
-    Field{"spaceunits", Values::kText},
+    Field{"units", Values::kUnits},
+    Field{"spaceunits", Values::kUnits},
     Field{"endian", Values::kText},
     Field{"encoding", Values::kText},
     Field{"lineskip", Values::kIntegers},
@@ -171,8 +171,35 @@ class HeaderReader {
             for (const std::string_view token : tokens_of(value, " \t(),"))
                 if (!is_number(token))
                     fail(quoted(token) + " in '" + text.substr(0, colon) + "' is no number");
-        header_.fields += text + '\n';
+        // Teem asks for the same, but forgets to free what it has begun.
+        if ((known->name == "centers" || known->name == "centerings" || known->name == "kinds") &&
+            std::find(seen_.begin(), seen_.end(), "dimension") == seen_.end())
+            fail("'" + text.substr(0, colon) + "' before 'dimension'");
         seen_.push_back(known->name);
+        if (known->values == Values::kUnits)
+            units(value);
+        else
+            header_.fields += text + '\n';
+    }
+
+    // A quoted string for each axis. Teem leaks what is not closed.
+    void units(std::string_view value) {
+        std::string unit;
+        bool open = false;
+        for (std::size_t i = 0; i < value.size(); ++i) {
+            const char c = value[i];
+            if (c == '"') {
+                if (open && header_.unit.empty()) header_.unit = unit;
+                unit.clear();
+                open = !open;
+            } else if (open) {
+                if (c == '\\' && i + 1 < value.size() && value[i + 1] == '"') ++i;
+                unit += value[i];
+            } else if (c != ' ' && c != '\t') {
+                fail("units are in quotes, such as \"mm\" \"mm\" \"mm\"");
+            }
+        }
+        if (open) fail("the quotes of a unit do not end");
     }
 
     void data_file(std::string_view value) {

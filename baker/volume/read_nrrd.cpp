@@ -139,7 +139,6 @@ class FieldReader {
         if (nrrd_->spaceDim != 0) {
             grid.space =
                 nrrd_->space != nrrdSpaceUnknown ? airEnumStr(nrrdSpace, nrrd_->space) : kUnnamedSpace;
-            if (nrrd_->spaceUnits[0] != nullptr) grid.unit = nrrd_->spaceUnits[0];
             for (int component = 0; component < 3; ++component)
                 if (AIR_EXISTS(nrrd_->spaceOrigin[component]))
                     grid.origin[component] = nrrd_->spaceOrigin[component];
@@ -161,7 +160,6 @@ class FieldReader {
             grid.directions[i][i] = spacing;
             if (AIR_EXISTS(axis.min) && nrrd_->spaceDim == 0)
                 grid.origin[i] = node ? axis.min : axis.min + spacing / 2;
-            if (axis.units != nullptr && grid.unit.empty()) grid.unit = axis.units;
         }
     }
 
@@ -320,6 +318,7 @@ Volume read_nrrd(const std::filesystem::path& path, const VolumeReadOptions& opt
     const NrrdFields fields = FieldReader(path, header).read();
     Volume volume;
     volume.grid = fields.grid;
+    volume.grid.unit = header.unit;
     volume.type = fields.type;
     check_geometry(path, volume.grid);
     const std::uint64_t bytes = checked_bytes(path, volume.grid.size, volume.type, options.max_bytes);

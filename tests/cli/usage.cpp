@@ -49,7 +49,8 @@ TEST_CASE("help and version go to stdout and name everything") {
     const Run help = shell.run({"--help"});
     CHECK(help.exit_code == 0);
     CHECK(help.err.empty());
-    for (const char* word : {"bake", "info", "validate", "ao", "compare", "Examples", "Exit codes", "130"})
+    for (const char* word :
+         {"bake", "info", "validate", "ao", "compare", "volume", "Examples", "Exit codes", "130"})
         CHECK(contains(help.out, word));
     for (const std::string command : {"bake", "info", "validate", "ao", "compare"}) {
         INFO(command);

@@ -86,6 +86,8 @@ TEST_CASE("NRRD: errors say where and what") {
                Contains("dimension"));
     CHECK_THAT(error_in("a.nrrd", "NRRD0001\nencoding: raw\ntype: uchar\ndimension: 3\n\nx"),
                Contains("no 'sizes:'"));
+    CHECK_THAT(error_in("a.nrrd", "NRRD0001\nkinds: domain domain domain\ndimension: 3\n\nx"),
+               Contains("line 2: 'kinds' before 'dimension'"));
     CHECK_THAT(with("encoding: bzip2\n"), Contains("bzip2") && Contains("gzip"));
     CHECK_THAT(with("encoding: hex\n"), Contains("hex"));
     CHECK_THAT(with("encoding: zip\n"), Contains("zip"));

@@ -34,6 +34,9 @@ TEST_CASE("NRRD: spacings, 1 where there are none") {
     check_vector(anisotropic.spacing(), {3.2, 3.2, 1.5});
     check_vector(anisotropic.position({1, 2, 1}), {3.2, 6.4, 1.5});
     CHECK(anisotropic.unit == "mm");
+    CHECK(grid_of("units: \"\" \"a\\\"b\" \"c\"\n").unit == "a\"b");
+    CHECK_THAT(error_with("units: \"mm\" \"mm\" \"mm\n"), Contains("line 6") && Contains("do not end"));
+    CHECK_THAT(error_with("units: mm mm mm\n"), Contains("quotes"));
     check_vector(grid_of("spacings: nan 2 nan\n").spacing(), {1, 2, 1});
     const VolumeGrid mirrored = grid_of("spacings: 1 -2 1\n");
     check_vector(mirrored.spacing(), {1, 2, 1});
