@@ -67,6 +67,7 @@ void add_volume_input(CLI::App& command, VolumeInput& input) {
         ->group(kGroup);
     command.add_option("--header-bytes", input.header_bytes, "Bytes before the first raw voxel")
         ->capture_default_str()
+        ->check(CLI::NonNegativeNumber)  // CLI11 reads -1 as 2^64 - 1
         ->needs(dims)
         ->group(kGroup);
 }
