@@ -73,6 +73,7 @@ struct GridRay {
     glm::vec3 origin, direction;  // in voxels; the direction is a world unit's
     glm::vec3 world_direction;    // unit
     float begin = 0, end = 0;     // what lies within the grid
+    glm::vec3 face{0};  // per voxel, outwards: the face of the grid through which the ray came in, if it did
 
     glm::vec3 at(float t) const { return origin + t * direction; }
 };
@@ -95,19 +96,28 @@ class GridFrame {
         const glm::dvec3 unit = glm::normalize(glm::dvec3(direction));
         const glm::dvec3 from = to_index_ * (glm::dvec3(origin) - origin_), along = to_index_ * unit;
         double begin = 0, end = std::numeric_limits<double>::infinity();
+        glm::vec3 face(0);
         for (int axis = 0; axis < 3; ++axis) {
             if (along[axis] == 0) {
                 if (from[axis] < 0 || from[axis] > last[axis]) return std::nullopt;
                 continue;
             }
             const double a = -from[axis] / along[axis], b = (last[axis] - from[axis]) / along[axis];
-            begin = std::max(begin, std::min(a, b));
+            if (std::min(a, b) > begin) {
+                begin = std::min(a, b);
+                face = glm::vec3(0);
+                face[axis] = along[axis] > 0 ? -1.0f : 1.0f;
+            }
             end = std::min(end, std::max(a, b));
         }
         if (!(begin < end)) return std::nullopt;
         // From the entry on, so that floats keep their digits however far the eye is.
-        return GridRay{glm::vec3(from + begin * along), glm::vec3(along), glm::vec3(unit), 0,
-                       static_cast<float>(end - begin)};
+        return GridRay{glm::vec3(from + begin * along),
+                       glm::vec3(along),
+                       glm::vec3(unit),
+                       0,
+                       static_cast<float>(end - begin),
+                       face};
     }
 
     // A gradient per voxel as a unit vector of the world; 0 where it is 0.
@@ -192,7 +202,10 @@ Image render_isosurface(const ScalarField& field, const Camera& camera, const Is
         const auto hit = find_surface(distance, *ray, frame.smallest_spacing());
         if (!hit) return std::nullopt;
         const glm::vec3 index = ray->at(*hit);
-        const glm::vec3 normal = frame.normal(distance.gradient(index));
+        const bool cut = *hit == ray->begin;
+        const glm::vec3 normal = !cut                        ? frame.normal(distance.gradient(index))
+                                 : ray->face != glm::vec3(0) ? frame.normal(ray->face)
+                                                             : -ray->world_direction;
         float grey = 1;
         if (style.local)
             grey = style.ambient +

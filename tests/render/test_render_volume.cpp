@@ -144,6 +144,12 @@ TEST_CASE("matter that the grid cuts is seen at the cut, and empty grids are not
     // The near face, 20 x 20 world units at distance 95.
     const double plane = 2 * std::tan(glm::radians(17.5));
     CHECK(mean_grey(full) / 255 == Approx(20.0 / 95 * 20 / 95 / (plane * plane * 4 / 3)).epsilon(0.01));
+    const Image shaded =
+        render_isosurface({grid, inside}, kCamera, {.ambient = 0, .light = {0, -3, 4}}, small());
+    CHECK(shaded.at(80, 60)[0] == Approx(255 * 0.6).margin(1));  // the face's normal, -y
+    Camera within = kCamera;
+    within.eye = {0, 0, 1};
+    CHECK(mean_grey(render_isosurface({grid, inside}, within, {}, small())) == 255);
     CHECK(lit_pixels(render_isosurface({grid, outside}, kCamera, flat, small())) == 0);
 }
 
