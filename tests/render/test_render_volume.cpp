@@ -130,6 +130,15 @@ TEST_CASE("visibility is sampled at the surface, or along its normal") {
     CHECK(middle({.local = false, .visibility = visibility, .visibility_offset = 2}) ==
           Approx(0.7 * 255).margin(2));
     CHECK(middle({.ambient = 0.2f, .visibility = visibility}) == Approx(0.5 * 255).margin(2));
+    // A whole grey scale within a voxel tells how exactly the surface is found.
+    const std::vector<float> steep =
+        sampled(grid, [](const glm::dvec3& p) { return 0.5 + glm::length(p) - kRadius; });
+    const Image exact =
+        render_isosurface({grid, distance}, kCamera, {.local = false, .visibility = steep}, options);
+    int worst = 0;
+    for (std::uint32_t y = 45; y < 75; ++y)
+        for (std::uint32_t x = 65; x < 95; ++x) worst = std::max(worst, std::abs(exact.at(x, y)[0] - 128));
+    CHECK(worst <= 2);
     const Image red = render_isosurface(
         {grid, distance}, kCamera, {.local = false, .albedo = {1, 0, 0}, .visibility = visibility}, options);
     CHECK(red.at(80, 60)[0] == Approx(0.5 * 255).margin(2));
@@ -186,7 +195,7 @@ TEST_CASE("opacity follows a ramp along the ray to the integral of its logarithm
     RenderOptions options = small();
     options.background = glm::vec3(1);
     const Image image = render_volume({grid, values}, TransferFunction(points, {{0, glm::vec3(0)}}), kCamera,
-                                      {.reference_length = 1}, options);
+                                      {.reference_length = 1, .step = 1}, options);
     const double slant = 1 / pixel_direction(options, 80, 60).y;
     CHECK(image.at(80, 60)[0] == Approx(255 * std::exp(-2.5 * slant)).margin(1));
 }
