@@ -6,5 +6,6 @@
 namespace dfield::cli {
 
 void add_volume_info_command(CLI::App& volume);
+void add_volume_render_command(CLI::App& volume);
 
 }  // namespace dfield::cli

@@ -225,9 +225,10 @@ Image render_volume(const ScalarField& field, const TransferFunction& transfer, 
     const GridFrame frame(field.grid);
     const Trilinear volume(field.grid, field.values);
     const std::optional<Trilinear> visibility = visibility_of(field.grid, style.visibility);
-    const float step = style.step > 0 ? static_cast<float>(style.step) : 0.5f * frame.smallest_spacing();
-    const float reference =
-        style.reference_length > 0 ? static_cast<float>(style.reference_length) : frame.smallest_spacing();
+    const float voxel = frame.smallest_spacing();
+    const float step =
+        style.step > 0 ? std::max(static_cast<float>(style.step), 0.01f * voxel) : 0.5f * voxel;
+    const float reference = style.reference_length > 0 ? static_cast<float>(style.reference_length) : voxel;
     const auto colour = [&](const glm::vec3& origin, const glm::vec3& direction) -> std::optional<glm::vec3> {
         const auto ray = frame.enter(origin, direction, volume.last());
         if (!ray) return std::nullopt;

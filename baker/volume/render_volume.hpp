@@ -43,7 +43,8 @@ struct VolumeStyle {
     // Length in world units that the transfer function's opacity a is of: what lies behind a layer so thick
     // of one value is seen by 1 - a. 0: the smallest spacing.
     double reference_length = 0;
-    double step = 0;     // world units between samples; 0: half the smallest spacing
+    double step =
+        0;  // world units between samples, a hundredth of the smallest spacing or more; 0: half of it
     bool local = false;  // two-sided Lambert by the gradient of the values, where there is one
     float ambient = 0.25f;
     glm::vec3 light{0};                   // as in IsosurfaceStyle

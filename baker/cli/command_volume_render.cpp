@@ -1,0 +1,166 @@
+#include <chrono>
+
+#include "baker/cli/command_volume.hpp"
+#include "baker/cli/options.hpp"
+#include "baker/cli/volume_input.hpp"
+#include "baker/error.hpp"
+#include "baker/volume/render_volume.hpp"
+
+namespace dfield::cli {
+namespace {
+
+struct RenderCommand {
+    VolumeInput input;
+    std::string output, transfer_file, visibility_file;
+    bool surface = false, unshaded = false;
+    std::array<float, 3> view{0.6f, -1, 0.45f}, up{0, 0, 1}, light{}, background{1, 1, 1};
+    float fov = 35, visibility_offset = 0;
+    double step = 0, reference_length = 0;
+    RenderOptions picture{.samples = 2};
+    CommonOptions common;
+};
+
+glm::vec3 vector_of(const std::array<float, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+// A volume of visibility on the grid of the other: floats as they are, unsigned integers from 0 to their
+// type's largest.
+std::vector<float> read_visibility(const std::string& file, const Volume& volume) {
+    const Volume visibility = read_volume(file);
+    if (visibility.grid.size != volume.grid.size)
+        throw InputError(file + ": has " + size_text(visibility.grid.size) + " voxels, the volume " +
+                         size_text(volume.grid.size) + "; visibility belongs to a volume of its own size");
+    float scale = 1;
+    switch (visibility.type) {
+        case VoxelType::kU8:
+            scale = 1.0f / 255;
+            break;
+        case VoxelType::kU16:
+            scale = 1.0f / 65535;
+            break;
+        case VoxelType::kF32:
+        case VoxelType::kF64:
+            break;
+        default:
+            throw InputError(file + ": visibility is u8, u16, f32 or f64, not " + name_of(visibility.type));
+    }
+    std::vector<float> values = float_values(visibility);
+    for (float& value : values) value *= scale;
+    return values;
+}
+
+void run(RenderCommand& command) {
+    check_picture(command.output);
+    if (command.surface == !command.transfer_file.empty())
+        throw Error(ExitCode::kUsage, "give either --tf FILE or --surface");
+    if (vector_of(command.view) == glm::vec3(0) || vector_of(command.up) == glm::vec3(0))
+        throw Error(ExitCode::kUsage, "--view and --up: 0 0 0 is no direction");
+    std::optional<TransferFunction> transfer;
+    if (!command.surface) transfer = read_transfer_function(command.transfer_file);
+    const Volume volume = read_volume_input(command.input);
+    const std::vector<float> values = float_values(volume);
+    std::vector<float> visibility;
+    if (!command.visibility_file.empty()) visibility = read_visibility(command.visibility_file, volume);
+
+    command.picture.threads = command.common.threads;
+    command.picture.background = vector_of(command.background);
+    const Camera camera =
+        frame_volume(volume.grid, vector_of(command.view), vector_of(command.up), command.fov,
+                     static_cast<float>(command.picture.width) / static_cast<float>(command.picture.height));
+    const ScalarField field{volume.grid, values};
+    const auto start = std::chrono::steady_clock::now();
+    Image image;
+    if (command.surface)
+        image = render_isosurface(field, camera,
+                                  {.local = !command.unshaded,
+                                   .light = vector_of(command.light),
+                                   .visibility = visibility,
+                                   .visibility_offset = command.visibility_offset},
+                                  command.picture);
+    else
+        image = render_volume(field, *transfer, camera,
+                              {.reference_length = command.reference_length,
+                               .step = command.step,
+                               .local = !command.unshaded,
+                               .light = vector_of(command.light),
+                               .visibility = visibility},
+                              command.picture);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_png(command.output, image);
+    say(command.common.json,
+        text("%s: %u x %u pixels, %.2f s", command.output.c_str(), image.width, image.height, seconds));
+    Json json = volume_json(command.input, volume);
+    json["image"] = command.output;
+    json["width"] = image.width;
+    json["height"] = image.height;
+    json["seconds"] = significant(seconds);
+    write_json_report(command.common.json, json);
+}
+
+CLI::Option* add_vector(CLI::App& app, const std::string& name, std::array<float, 3>& value,
+                        const std::string& description) {
+    return app.add_option(name, value, description)
+        ->type_name("X Y Z")
+        ->check(finite_number())
+        ->group("Picture");
+}
+
+}  // namespace
+
+void add_volume_render_command(CLI::App& volume) {
+    auto command = std::make_shared<RenderCommand>();
+    CLI::App* render =
+        volume.add_subcommand("render", "A picture of a volume, or of a distance field's surface");
+    add_volume_input(*render, command->input);
+    render->add_option("-o,--output", command->output, "The picture, a PNG")->required();
+    render->add_option(
+        "--tf", command->transfer_file,
+        "Transfer function: JSON {\"points\": [[value, opacity], ...], \"colors\": [[value, red, "
+        "green, blue], ...]}, piecewise linear; opacities are of layers --reference-length thick");
+    render->add_flag("--surface", command->surface,
+                     "FILE is a signed distance field (positive outside, world units): draw where it is 0");
+    render->add_option(
+        "--visibility", command->visibility_file,
+        "A volume of the same size, 0 to 1 (u8 and u16: to 255 and 65535), that darkens FILE's");
+    render
+        ->add_option("--visibility-offset", command->visibility_offset,
+                     "--surface: voxels along the normal at which visibility is read")
+        ->capture_default_str()
+        ->check(number_between(-8, 8));
+    render->add_flag("--unshaded", command->unshaded, "No shading by the gradient");
+    render
+        ->add_option("--reference-length", command->reference_length,
+                     "World units that opacities are of; default: the smallest spacing")
+        ->check(number_above_zero());
+    render
+        ->add_option("--step", command->step,
+                     "World units between samples; default: half the smallest spacing")
+        ->check(number_above_zero());
+    add_vector(*render, "--view", command->view, "From the volume towards the eye; default 0.6 -1 0.45");
+    add_vector(*render, "--up", command->up, "What is up in the picture; default 0 0 1");
+    add_vector(*render, "--light", command->light, "Towards the light; default: from the eye");
+    add_vector(*render, "--background", command->background, "Red, green, blue, 0 to 1; default 1 1 1")
+        ->check(number_between(0, 1));
+    render->add_option("--fov", command->fov, "Vertical field of view, degrees")
+        ->capture_default_str()
+        ->check(number_between(1, 120))
+        ->group("Picture");
+    for (const auto& [name, value] :
+         {std::pair<const char*, std::uint32_t*>{"--width", &command->picture.width},
+          {"--height", &command->picture.height}})
+        render->add_option(name, *value, "Pixels")
+            ->capture_default_str()
+            ->check(CLI::Range(1, 16384))
+            ->group("Picture");
+    render->add_option("--samples", command->picture.samples, "Rays a pixel and axis")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 16))
+        ->group("Picture");
+    add_common_options(*render, command->common, "all cores");
+    render->footer(
+        "The whole volume is in the picture. Colours are written as they are, without a transfer curve.");
+    render->callback([command] { run(*command); });
+}
+
+}  // namespace dfield::cli
