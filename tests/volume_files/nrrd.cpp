@@ -12,20 +12,24 @@ void check_type(VoxelType type, const std::vector<std::string>& names) {
     const TestFolder folder;
     const auto values = sample_voxels<T>();
     for (const std::string& name : names)
-        for (const bool big : {false, true}) {
-            INFO(name << (big ? " big" : " little"));
-            const std::string fields =
-                "spacings: 1 2 3\nencoding: raw\nendian: " + std::string(big ? "big" : "little") + "\n";
-            const auto path = folder.write("a.nrrd", nrrd(name, "2 3 2", fields, bytes_of_all(values, big)));
-            std::vector<std::string> warnings;
-            const Volume volume = read_volume(path, {}, &warnings);
-            CHECK(volume.type == type);
-            CHECK(volume.grid.size == std::array<std::size_t, 3>{2, 3, 2});
-            CHECK(voxels_of<T>(volume) == values);
-            CHECK(value_range(volume).min == static_cast<double>(std::numeric_limits<T>::lowest()));
-            CHECK(value_range(volume).max == static_cast<double>(std::numeric_limits<T>::max()));
-            CHECK(warnings.empty());
-        }
+        for (const bool big : {false, true})
+            for (const bool compressed : {false, true}) {
+                INFO(name << (big ? " big" : " little") << (compressed ? " gzip" : " raw"));
+                const std::string fields =
+                    "spacings: 1 2 3\nencoding: " + std::string(compressed ? "gzip" : "raw") +
+                    "\nendian: " + (big ? "big" : "little") + "\n";
+                const std::string bytes = bytes_of_all(values, big);
+                const auto path =
+                    folder.write("a.nrrd", nrrd(name, "2 3 2", fields, compressed ? gzip(bytes) : bytes));
+                std::vector<std::string> warnings;
+                const Volume volume = read_volume(path, {}, &warnings);
+                CHECK(volume.type == type);
+                CHECK(volume.grid.size == std::array<std::size_t, 3>{2, 3, 2});
+                CHECK(voxels_of<T>(volume) == values);
+                CHECK(value_range(volume).min == static_cast<double>(std::numeric_limits<T>::lowest()));
+                CHECK(value_range(volume).max == static_cast<double>(std::numeric_limits<T>::max()));
+                CHECK(warnings.empty());
+            }
 }
 
 Volume read(const std::string& bytes, std::vector<std::string>* warnings = nullptr) {
