@@ -106,16 +106,15 @@ class FieldReader {
         for (unsigned i = 0; i < nrrd_->dim; ++i) axes.push_back(i);
         const bool directions =
             std::any_of(axes.begin(), axes.end(), [&](unsigned i) { return has_direction(i); });
-        // Axes of something else than space go, then those at the end, then those at the beginning.
-        const auto drop = [&](auto first, auto last, auto&& dropped) {
-            for (auto at = first; at != last && axes.size() > 3;)
-                at = dropped(*at) && nrrd_->axis[*at].size == 1 ? axes.erase(at) : at + 1;
-        };
-        drop(axes.begin(), axes.end(), [&](unsigned i) {
+        const auto spatial = [&](unsigned i) {
             return directions
-                       ? !has_direction(i)
-                       : nrrd_->axis[i].kind != nrrdKindUnknown && nrrdKindIsDomain(nrrd_->axis[i].kind) == 0;
-        });
+                       ? has_direction(i)
+                       : nrrd_->axis[i].kind == nrrdKindUnknown || nrrdKindIsDomain(nrrd_->axis[i].kind) != 0;
+        };
+        // Axes of something else than space go, then those at the end, then those at the beginning.
+        for (std::size_t i = axes.size(); i-- > 0 && axes.size() > 3;)
+            if (!spatial(axes[i]) && nrrd_->axis[axes[i]].size == 1)
+                axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
         while (axes.size() > 3 && nrrd_->axis[axes.back()].size == 1) axes.pop_back();
         while (axes.size() > 3 && nrrd_->axis[axes.front()].size == 1) axes.erase(axes.begin());
         if (axes.size() < 3)
@@ -124,14 +123,10 @@ class FieldReader {
         if (axes.size() > 3)
             fail("has " + std::to_string(nrrd_->dim) + " axes (" + sizes() +
                  "): several values a voxel or points in time; choose one, such as by 'unu slice'");
-        for (const unsigned i : axes) {
-            const bool domain = directions ? has_direction(i)
-                                           : nrrd_->axis[i].kind == nrrdKindUnknown ||
-                                                 nrrdKindIsDomain(nrrd_->axis[i].kind) != 0;
-            if (!domain)
+        for (const unsigned i : axes)
+            if (!spatial(i))
                 fail("axis " + std::to_string(i) + " of its axes (" + sizes() +
                      ") is not one of space: it has several values a voxel and fewer than three dimensions");
-        }
         return {axes[0], axes[1], axes[2]};
     }
 

@@ -2,7 +2,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/nested.cmake)
 set(options -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DDFIELD_BUILD_BAKER=OFF -DDFIELD_BUILD_TESTS=OFF
             -DDFIELD_WARNINGS_AS_ERRORS=ON)
-foreach(package IN ITEMS embree OpenMesh TinyGLTF TBB nlohmann_json CLI11 Catch2)
+foreach(package IN ITEMS embree OpenMesh TinyGLTF TBB nlohmann_json CLI11 ZLIB Catch2)
   list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
 if(FLAVOUR STREQUAL "static")
