@@ -25,6 +25,7 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
       weights(context),
       gather_weights(context),
       directions(context),
+      groups(context),
       shared(context),
       even_weight_(1 / static_cast<float>(desc.ray_count)),
       rate_(desc.falloff_rate),
@@ -45,11 +46,10 @@ dfield_ao::dfield_ao(dfield_context* context, const dfield_ao_desc& desc)
         y.push_back(directions[3 * r + 1]);
         z.push_back(directions[3 * r + 2]);
     }
-    if (sampling == DFIELD_SAMPLING_SHARED) {
-        std::vector<glm::vec3> all;
-        for (std::size_t r = 0; r < ray_count; ++r) all.emplace_back(x[r], y[r], z[r]);
-        shared.build(all, weights);
-    }
+    std::vector<glm::vec3> all;
+    for (std::size_t r = 0; r < ray_count; ++r) all.emplace_back(x[r], y[r], z[r]);
+    if (sampling == DFIELD_SAMPLING_SHARED) shared.build(all, weights);
+    groups.build(all, weights, even_weight_);
     // Whole mask words, so that sums over a mask need no remainder.
     for (std::pmr::vector<float>* axis : {&x, &y, &z}) axis->resize(32 * mask_words(), 0);
     gather_weights.resize(32 * mask_words(), 0);

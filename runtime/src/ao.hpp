@@ -7,6 +7,7 @@
 
 #include "batch/shared_directions.hpp"
 #include "context.hpp"
+#include "rays/ray_groups.hpp"
 
 namespace dfield::runtime {
 
@@ -55,6 +56,7 @@ struct dfield_ao final : dfield::runtime::Shared<dfield_ao> {
     std::pmr::vector<float>
         gather_weights;  // of all rays, 0 for those that fill the last mask word; x, y, z alike
     std::pmr::vector<float> directions;        // the same, interleaved, for the caller
+    dfield::runtime::RayGroups groups;         // the same for lookups ray by ray
     dfield::runtime::SharedDirections shared;  // the same for batches; empty unless sampling is shared
 
   private:

@@ -17,12 +17,20 @@ dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> b
       maps(dfield::read_field(bytes, options, context)),
       points(context),
       map_stride(dfield::map_bytes(maps.parameters)),
+      hit_bits(context),
       self_visibility(context),
       line_points(context),
       direction_reach(context),
       level_disagreement(context) {
     const auto samples = dfield::sphere_points(maps.parameters.positions, maps.parameters.subdivision);
     points.assign(samples.begin(), samples.end());
+    if (maps.parameters.bits == 8) {
+        hit_bits.resize(points.size() * hit_stride());
+        for (std::size_t map = 0; map < points.size(); ++map)
+            for (std::size_t i = 0; i < map_stride; ++i)
+                hit_bits[map * hit_stride() + i / 8] |=
+                    static_cast<std::uint8_t>((maps.texels[map * map_stride + i] != dfield::kMiss8) << i % 8);
+    }
     if (maps.lines && maps.lines->parameters.pivot) {
         const auto lattice = dfield::lattice_points(maps.lines->parameters.lattice);
         line_points.reserve(lattice.size());
@@ -42,10 +50,10 @@ dfield_field::dfield_field(dfield_context* context, std::span<const std::byte> b
 std::uint64_t dfield_field::memory_bytes() const {
     std::uint64_t directions = 0;
     for (const dfield::DirectionMaps& level : maps.directions) directions += level.memory_bytes();
-    return sizeof(*this) + maps.texels.capacity() + maps.mean_depth.capacity() * sizeof(std::uint16_t) +
-           points.capacity() * sizeof(glm::vec3) + self_visibility.capacity() * sizeof(float) +
-           line_points.capacity() * sizeof(glm::vec4) + (maps.lines ? maps.lines->memory_bytes() : 0) +
-           directions + maps.provenance.capacity();
+    return sizeof(*this) + maps.texels.capacity() + hit_bits.capacity() +
+           maps.mean_depth.capacity() * sizeof(std::uint16_t) + points.capacity() * sizeof(glm::vec3) +
+           self_visibility.capacity() * sizeof(float) + line_points.capacity() * sizeof(glm::vec4) +
+           (maps.lines ? maps.lines->memory_bytes() : 0) + directions + maps.provenance.capacity();
 }
 
 namespace dfield::runtime {

@@ -114,22 +114,20 @@ inline RayQuery line_query(const Instance& instance, const glm::vec3& origin, co
     return query;
 }
 
-// Sets blocked[i] for each ray (x[i], y[i], z[i]) that something blocks, and leaves the others alone.
-inline void look_up_lines(const RayQuery& query, const float* x, const float* y, const float* z,
-                          std::size_t count, std::uint8_t* blocked) {
+// Clears the bit of each open ray that something blocks.
+inline void look_up_lines(const RayQuery& query, const GroupedRays& rays, RayBits& open) {
     Chord chord;
-    for (std::size_t i = 0; i < count; ++i)
-        if (!blocked[i] && chord_of_query(query, {x[i], y[i], z[i]}, chord) &&
+    for (std::size_t i = 0; i < rays.count(); ++i)
+        if (has_bit(open, i) && chord_of_query(query, rays.direction(i), chord) &&
             line_blocked(*query.field, chord, query.minimum, query.in_front))
-            blocked[i] = 1;
+            clear_bit(open, i);
 }
 
 // The same with distances: nearest[i] becomes the hit's t where that is smaller.
-inline void look_up_line_distances(const RayQuery& query, const float* x, const float* y, const float* z,
-                                   std::size_t count, float* nearest) {
+inline void look_up_line_distances(const RayQuery& query, const GroupedRays& rays, float* nearest) {
     Chord chord;
-    for (std::size_t i = 0; i < count; ++i)
-        if (chord_of_query(query, {x[i], y[i], z[i]}, chord))
+    for (std::size_t i = 0; i < rays.count(); ++i)
+        if (chord_of_query(query, rays.direction(i), chord))
             nearest[i] =
                 std::min(nearest[i], line_distance(*query.field, chord, query.minimum, query.in_front));
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "batch/chunk_builder.hpp"
+#include "halves.hpp"
 #include "receiver_set.hpp"
 #include "receivers.hpp"
 
@@ -26,25 +27,10 @@ void sort_by(Places places, const Key& key) {
     });
 }
 
-// Halves across the longest side of their box, at the multiple of `unit` nearest to the middle, until at most
-// `unit` are left: boxes of as many receivers as fit, each as small as can be.
-void halve(Places places, std::size_t unit) {
-    if (places.size() <= unit) return;
-    glm::vec3 low(INFINITY), high(-INFINITY);
-    for (const Place& place : places) {
-        low = glm::min(low, place.position);
-        high = glm::max(high, place.position);
-    }
-    const glm::vec3 size = high - low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::size_t middle = std::max<std::size_t>(1, (places.size() + unit) / (2 * unit)) * unit;
-    std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(middle), places.end(),
-                     [axis](const Place& a, const Place& b) {
-                         return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis]
-                                                                     : a.receiver < b.receiver;
-                     });
-    halve(places.first(middle), unit);
-    halve(places.subspan(middle), unit);
+void halve_places(Places places, std::size_t unit) {
+    halve(
+        places, unit, [](const Place& place) { return place.position; },
+        [](const Place& place) { return place.receiver; });
 }
 
 std::pmr::vector<Place> usable_places(const std::pmr::vector<SetReceiver>& receivers) {
@@ -67,9 +53,9 @@ void order_chunk(Places places) {
         const auto end =
             std::find_if(begin, places.end(), [&](const Place& place) { return place.side != begin->side; });
         constexpr std::size_t kGroup = 16 * kLanes;
-        halve({begin, end}, kGroup);
+        halve_places({begin, end}, kGroup);
         for (Places rest(begin, end); !rest.empty(); rest = rest.subspan(std::min(rest.size(), kGroup)))
-            halve(rest.first(std::min(rest.size(), kGroup)), kLanes);
+            halve_places(rest.first(std::min(rest.size(), kGroup)), kLanes);
         begin = end;
     }
 }
@@ -84,7 +70,7 @@ void dfield_receiver_set::arrange() {
     for (auto begin = places.begin(); begin != places.end();) {
         const auto end = std::find_if(begin, places.end(),
                                       [&](const Place& place) { return place.attached != begin->attached; });
-        halve({begin, end}, kChunkReceivers);
+        halve_places({begin, end}, kChunkReceivers);
         begin = end;
     }
     std::size_t blocks = kChunkBlocks;  // used in the last chunk

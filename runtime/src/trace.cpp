@@ -120,13 +120,14 @@ void find_occluded(const SceneState& scene, const RayLookups& lookups, const Blo
             result[i] = hits.distance[i] < kInfinity && hits.distance[i] <= rays.max_distance(i);
         return;
     }
-    std::array<std::uint8_t, kRayBlock + kRayPadding> blocked{};
-    for (std::size_t i = 0; i < rays.size(); ++i) blocked[i] = rays.ground(i) < kInfinity;
+    RayBits open = first_bits(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (rays.ground(i) < kInfinity) clear_bit(open, i);
     for (const dfield_instance id : scene.active) {
         const Instance& instance = scene.instances[id];
-        kernels_for(lookups, *instance.field).ray_any_hits(instance, rays.view(), blocked.data());
+        kernels_for(lookups, *instance.field).ray_any_hits(instance, rays.view(), open);
     }
-    std::copy_n(blocked.begin(), rays.size(), result);
+    for (std::size_t i = 0; i < rays.size(); ++i) result[i] = !has_bit(open, i);
 }
 
 void require_rays(const dfield_scene* scene, const dfield_rays* rays, const void* output) {

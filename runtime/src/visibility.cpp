@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
@@ -23,8 +23,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Of each ray of a block: whether it is blocked, or its nearest hit so far.
-using Blocked = std::array<std::uint8_t, kRayBlock + kRayPadding>;
+// Nearest hits of a block so far.
 using Nearest = std::array<float, kRayBlock>;
 
 // Whether any of a box lies in front of a receiver's tangent plane, or almost.
@@ -35,42 +34,47 @@ bool reaches_front(const Box& box, const UnitReceiver& receiver) {
     return glm::dot(receiver.normal, centre) + extent + slack > 0;
 }
 
-// One receiver against a scene, a block of rays at a time.
+// Number by number: vectors that are copied whole just after they were written make the processor wait.
+glm::mat3 frame_matrix(const glm::vec3& normal) {
+    const auto [t, b, n] = frame_of_normal(normal);
+    return {t.x, t.y, t.z, b.x, b.y, b.z, n.x, n.y, n.z};
+}
+
+// One receiver against a scene, a block of rays at a time. Rays are counted in the order of the settings'
+// groups.
 class ReceiverRays {
   public:
     ReceiverRays(const SceneState& scene, const dfield_ao& ao, const RayLookups& lookups,
                  const UnitReceiver& receiver)
-        : scene_(scene), ao_(ao), lookups_(lookups), receiver_(receiver), frame_(1) {
-        // Carries the directions of `ao` into the world: the normal's frame, or the world itself.
-        if (ao.sampling == DFIELD_SAMPLING_HEMISPHERE) {
-            const Frame frame = frame_of_normal(receiver.normal);
-            frame_ = glm::mat3(frame.tangent, frame.bitangent, frame.normal);
-        }
-    }
+        : scene_(scene),
+          ao_(ao),
+          lookups_(lookups),
+          receiver_(receiver),
+          frame_(ao.sampling == DFIELD_SAMPLING_HEMISPHERE ? frame_matrix(receiver.normal) : glm::mat3(1)) {}
 
-    // Calls use(first ray, count, of each ray whether it is blocked).
+    // Calls use(first ray, rays that are not blocked) for each block.
     template<class Use>
     void any_hits(const Use& use) const {
         for (std::size_t begin = 0; begin < ao_.ray_count; begin += kRayBlock) {
-            const std::size_t count = std::min(kRayBlock, ao_.ray_count - begin);
-            Blocked blocked{};
+            const GroupedRays rays = ao_.groups.block(begin);
+            RayBits open = first_bits(ao_.ray_count - begin);
             if (scene_.ground) {
                 const glm::vec3 normal = scene_.ground->normal * frame_;
-                for (std::size_t i = 0; i < count; ++i)
-                    blocked[i] = glm::dot(normal, direction(begin + i)) < 0;
+                for (std::size_t i = 0; i < rays.count(); ++i)
+                    if (glm::dot(normal, rays.direction(i)) < 0) clear_bit(open, i);
             }
             for_instances([&](const RayKernels& kernels, const RayQuery& query) {
-                kernels.any_hits(query, &ao_.x[begin], &ao_.y[begin], &ao_.z[begin], count, blocked.data());
+                kernels.any_hits(query, rays, open);
             });
-            use(begin, count, blocked);
+            use(begin, open);
         }
     }
 
-    // Calls use(first ray, count, nearest hit of each ray).
+    // Calls use(first ray, count, nearest hit of each ray). Padding counts as a ray.
     template<class Use>
     void distances(const Use& use) const {
         for (std::size_t begin = 0; begin < ao_.ray_count; begin += kRayBlock) {
-            const std::size_t count = std::min(kRayBlock, ao_.ray_count - begin);
+            const GroupedRays rays = ao_.groups.block(begin);
             Nearest nearest;
             nearest.fill(kInfinity);
             if (scene_.ground) {
@@ -78,28 +82,24 @@ class ReceiverRays {
                 const float height =
                     std::max(glm::dot(ground.normal, receiver_.position) - ground.distance, 0.0f);
                 const glm::vec3 normal = ground.normal * frame_;
-                for (std::size_t i = 0; i < count; ++i) {
-                    const float approach = glm::dot(normal, direction(begin + i));
+                for (std::size_t i = 0; i < rays.count(); ++i) {
+                    const float approach = glm::dot(normal, rays.direction(i));
                     if (approach < 0) nearest[i] = height / -approach;
                 }
             }
             for_instances([&](const RayKernels& kernels, const RayQuery& query) {
-                kernels.distances(query, &ao_.x[begin], &ao_.y[begin], &ao_.z[begin], count, nearest.data());
+                kernels.distances(query, rays, nearest.data());
             });
-            use(begin, count, nearest);
+            use(begin, rays.count(), nearest);
         }
     }
 
-    glm::vec3 direction(std::size_t r) const { return {ao_.x[r], ao_.y[r], ao_.z[r]}; }
-
-    // Weight of ray r; for shared directions still to be divided by the sum over all rays.
-    float weight(std::size_t r) const {
-        if (ao_.sampling == DFIELD_SAMPLING_HEMISPHERE) return ao_.weight(r);
-        return ao_.weight(r) * std::max(glm::dot(receiver_.normal, direction(r)), 0.0f);
+    // Weight of a ray; for shared directions still to be divided by the sum over all rays.
+    float weight(std::size_t i) const {
+        if (ao_.sampling == DFIELD_SAMPLING_HEMISPHERE) return ao_.groups.weight[i];
+        return ao_.groups.weight[i] * std::max(cosine(i), 0.0f);
     }
-    bool above(std::size_t r) const {
-        return ao_.sampling == DFIELD_SAMPLING_HEMISPHERE || glm::dot(receiver_.normal, direction(r)) > 0;
-    }
+    bool above(std::size_t i) const { return ao_.sampling == DFIELD_SAMPLING_HEMISPHERE || cosine(i) > 0; }
 
   private:
     // Calls look_up(kernels, query) for the instances that may block the receiver.
@@ -128,66 +128,65 @@ class ReceiverRays {
             std::for_each(scene_.active.begin(), scene_.active.end(), visit);
     }
 
+    float cosine(std::size_t i) const {
+        return glm::dot(receiver_.normal, glm::vec3(ao_.groups.x[i], ao_.groups.y[i], ao_.groups.z[i]));
+    }
+
     const SceneState& scene_;
     const dfield_ao& ao_;
     const RayLookups& lookups_;
     const UnitReceiver& receiver_;
-    glm::mat3 frame_;
+    glm::mat3 frame_;  // carries the settings' directions into the world
 };
 
-// Eight rays at a time: each byte of the sum counts up to kRayBlock / 8 of them.
-std::size_t blocked_rays(const Blocked& blocked, std::size_t count) {
-    static_assert(kRayBlock / 8 < 256);
-    std::uint64_t sums = 0, word;
-    std::size_t hits = 0, i = 0;
-    for (; i + 8 <= count; i += 8) {
-        std::memcpy(&word, &blocked[i], 8);
-        sums += word;
-    }
-    for (; i < count; ++i) hits += blocked[i];
-    for (int byte = 0; byte < 8; ++byte) hits += sums >> 8 * byte & 255;
-    return hits;
+// Calls use(i) for each of the first `count` rays that is not open.
+template<class Use>
+void for_blocked(const RayBits& open, std::size_t count, const Use& use) {
+    const RayBits all = first_bits(count);
+    for (std::size_t word = 0; word < open.size(); ++word)
+        for (std::uint64_t blocked = all[word] & ~open[word]; blocked != 0; blocked &= blocked - 1)
+            use(64 * word + static_cast<std::size_t>(std::countr_zero(blocked)));
 }
 
 float visibility_of(const ReceiverRays& rays, const dfield_ao& ao) {
     if (ao.any_hit() && ao.even()) {
-        std::size_t hits = 0;
-        rays.any_hits([&](std::size_t, std::size_t count, const Blocked& blocked) {
-            hits += blocked_rays(blocked, count);
-        });
+        std::size_t hits = ao.ray_count;
+        rays.any_hits([&](std::size_t, const RayBits& open) { hits -= count_bits(open); });
         return std::clamp(1 - static_cast<float>(hits) * ao.weight(0), 0.0f, 1.0f);
     }
-    float occlusion = 0, whole = 0;
-    const auto add = [&](std::size_t r, float ray_occlusion) {
-        const float weight = rays.weight(r);
-        occlusion += weight * ray_occlusion;
-        whole += weight;
-    };
+    float occlusion = 0;
     if (ao.any_hit())
-        rays.any_hits([&](std::size_t begin, std::size_t count, const Blocked& blocked) {
-            for (std::size_t i = 0; i < count; ++i) add(begin + i, blocked[i]);
+        rays.any_hits([&](std::size_t begin, const RayBits& open) {
+            for_blocked(open, ao.ray_count - begin,
+                        [&](std::size_t i) { occlusion += rays.weight(begin + i); });
         });
     else
         rays.distances([&](std::size_t begin, std::size_t count, const Nearest& nearest) {
-            for (std::size_t i = 0; i < count; ++i) add(begin + i, ao.occlusion(nearest[i]));
+            for (std::size_t i = 0; i < count; ++i)
+                if (nearest[i] < kInfinity) occlusion += rays.weight(begin + i) * ao.occlusion(nearest[i]);
         });
-    if (ao.sampling == DFIELD_SAMPLING_SHARED) occlusion = whole > 0 ? occlusion / whole : 0;
+    if (ao.sampling == DFIELD_SAMPLING_SHARED) {
+        float whole = 0;
+        for (std::size_t i = 0; i < ao.groups.padded(); ++i) whole += rays.weight(i);
+        occlusion = whole > 0 ? occlusion / whole : 0;
+    }
     return std::clamp(1 - occlusion, 0.0f, 1.0f);
 }
 
 // Ors into `mask`.
 void mask_of(const ReceiverRays& rays, const dfield_ao& ao, std::uint32_t* mask) {
-    const auto set = [&](std::size_t r, bool blocked) {
-        mask[r >> 5] |= std::uint32_t{blocked && rays.above(r)} << (r & 31);
+    const auto set = [&](std::size_t i) {
+        const std::uint32_t r = ao.groups.ray[i];
+        if (r != RayGroups::kNoRay && rays.above(i)) mask[r >> 5] |= std::uint32_t{1} << (r & 31);
     };
     if (ao.any_hit())
-        rays.any_hits([&](std::size_t begin, std::size_t count, const Blocked& blocked) {
-            for (std::size_t i = 0; i < count; ++i) set(begin + i, blocked[i] != 0);
+        rays.any_hits([&](std::size_t begin, const RayBits& open) {
+            for_blocked(open, ao.ray_count - begin, [&](std::size_t i) { set(begin + i); });
         });
     else
         rays.distances([&](std::size_t begin, std::size_t count, const Nearest& nearest) {
             for (std::size_t i = 0; i < count; ++i)
-                set(begin + i, nearest[i] < kInfinity && nearest[i] <= ao.max_distance);
+                if (nearest[i] < kInfinity && nearest[i] <= ao.max_distance) set(begin + i);
         });
 }
 

@@ -166,7 +166,72 @@ void compare_levels(const std::vector<std::byte>& bytes) {
     for (const dfield_simd level : kLevels) compare(plain, ask(level, bytes));
 }
 
+// Masks of receivers around three placements, one of them skewed, for rays in directions of the caller's.
+std::vector<std::uint32_t> masks_of(dfield_simd simd, const std::vector<std::byte>& bytes,
+                                    dfield_ao_desc desc) {
+    const Context context = context_at(simd);
+    const Field field = Field::load(context, bytes.data(), bytes.size());
+    const dfield_field_info info = field.info();
+    Scene scene(context);
+    Random random(11);
+    for (const glm::vec3 scale : {glm::vec3(1), glm::vec3(0.5f, 1.3f, 0.9f), glm::vec3(2)})
+        scene.add(field, glm::value_ptr(glm::translate(glm::mat4(1), glm::vec3(random.direction() * 2.0)) *
+                                        glm::mat4(glm::mat3(random.rotation())) *
+                                        glm::scale(glm::mat4(1), scale / info.radius)));
+    std::vector<glm::vec3> positions, normals;
+    for (int i = 0; i < 600; ++i) {
+        positions.emplace_back(random.direction() * random.uniform(0.1, 8));
+        normals.emplace_back(random.direction());
+    }
+    dfield_receivers receivers{};
+    receivers.count = positions.size();
+    receivers.positions = &positions.front().x;
+    receivers.normals = &normals.front().x;
+    const Ao ao(context, desc);
+    std::vector<std::uint32_t> masks(receivers.count * ao.mask_words());
+    scene.visibility_mask(ao, receivers, masks.data());
+    return masks;
+}
+
+// Groups of neighbouring rays are culled by the cones around them; the plain code knows none.
+void compare_groups(const std::vector<std::byte>& bytes, dfield_kind kind) {
+    for (const dfield_sampling sampling : {DFIELD_SAMPLING_HEMISPHERE, DFIELD_SAMPLING_SHARED})
+        for (const std::uint32_t count : {1u, 5u, 17u, 100u, 700u}) {
+            INFO("sampling " << sampling << ", " << count << " rays");
+            Random random(count);
+            std::vector<glm::vec3> directions;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                glm::vec3 w(random.direction());
+                if (sampling == DFIELD_SAMPLING_HEMISPHERE) w.z = std::fabs(w.z);
+                directions.push_back(w);
+            }
+            dfield_ao_desc desc = Ao::defaults();
+            desc.kind = kind;
+            desc.sampling = sampling;
+            desc.ray_count = count;
+            desc.directions = &directions.front().x;
+            const std::vector<std::uint32_t> plain = masks_of(DFIELD_SIMD_SCALAR, bytes, desc);
+            std::size_t hits = 0;
+            for (const std::uint32_t word : plain) hits += std::popcount(word);
+            CHECK(hits > 10 * count);
+            for (const dfield_simd level : kLevels) {
+                INFO("level " << level);
+                const std::vector<std::uint32_t> fast = masks_of(level, bytes, desc);
+                std::size_t other = 0;
+                for (std::size_t i = 0; i < plain.size(); ++i) other += std::popcount(plain[i] ^ fast[i]);
+                CHECK(static_cast<double>(other) <= 1 + 0.1 * kOtherTexel * 600 * count);
+            }
+        }
+}
+
 }  // namespace
+
+TEST_CASE("Culling groups of rays loses none") {
+    // Fills its bounding sphere, so that rays along the rim count.
+    const TriangleMesh mesh = test::sphere_mesh(glm::vec3(0), 1, 40);
+    compare_groups(test::baked_bytes(mesh, 13, 16, 8), DFIELD_KIND_MAPS);
+    compare_groups(line_bytes(mesh, false, 8), DFIELD_KIND_LINES);
+}
 
 TEST_CASE("Displacement maps: every level finds what the plain code finds") {
     const TriangleMesh mesh = clutter();

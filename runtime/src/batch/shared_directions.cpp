@@ -2,36 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
 
+#include "halves.hpp"
+
 namespace dfield::runtime {
 namespace {
-
-using Order = std::vector<std::uint32_t>;
-
-// Splits [begin, end) at a multiple of the cluster size near its middle, along its widest axis, until
-// clusters are left.
-void cluster(std::span<const glm::vec3> directions, Order& order, std::size_t begin, std::size_t end) {
-    if (end - begin <= kClusterSize) return;
-    glm::vec3 low(2), high(-2);
-    for (std::size_t i = begin; i < end; ++i) {
-        low = glm::min(low, directions[order[i]]);
-        high = glm::max(high, directions[order[i]]);
-    }
-    const glm::vec3 size = high - low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::size_t clusters = (end - begin + kClusterSize - 1) / kClusterSize;
-    const std::size_t middle = begin + clusters / 2 * kClusterSize;
-    const auto at = [&](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
-        const float l = directions[a][axis], r = directions[b][axis];
-        return l != r ? l < r : a < b;
-    });
-    cluster(directions, order, begin, middle);
-    cluster(directions, order, middle, end);
-}
 
 struct Line {
     glm::vec3 direction;               // in the upper half
@@ -78,9 +57,10 @@ void SharedDirections::build(std::span<const glm::vec3> directions, std::span<co
     const std::vector<Line> lines = lines_of(directions);
     std::vector<glm::vec3> upper;
     for (const Line& line : lines) upper.push_back(line.direction);
-    Order order(lines.size());
+    std::vector<std::uint32_t> order(lines.size());
     std::iota(order.begin(), order.end(), 0u);
-    cluster(upper, order, 0, order.size());
+    halve(
+        std::span(order), kClusterSize, [&](std::uint32_t i) { return upper[i]; }, std::identity());
     const std::size_t count = (order.size() + kClusterSize - 1) / kClusterSize * kClusterSize;
     for (std::size_t i = 0; i < count; ++i) {
         const bool real = i < order.size();

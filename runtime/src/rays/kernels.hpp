@@ -9,17 +9,12 @@
 
 namespace dfield::runtime {
 
-// Rays (x[i], y[i], z[i]) of one origin; the arrays can be read kRayPadding elements past `count`, which is
-// at most kRayBlock. Directions are unit to 1e-3. Sets blocked[i] to 1 for each ray that something blocks,
-// and leaves the others alone. blocked[kRayBlock] may become anything: the array is longer than that by
-// kRayPadding, too.
-using AnyHitKernel = void(const RayQuery& query, const float* x, const float* y, const float* z,
-                          std::size_t count, std::uint8_t* blocked);
+// Rays of one origin; directions are unit to 1e-3. Clears the bit of each open ray that something blocks.
+using AnyHitKernel = void(const RayQuery& query, const GroupedRays& rays, RayBits& open);
 // nearest[i] becomes the t of ray i's first hit where that is smaller.
-using DistanceKernel = void(const RayQuery& query, const float* x, const float* y, const float* z,
-                            std::size_t count, float* nearest);
+using DistanceKernel = void(const RayQuery& query, const GroupedRays& rays, float* nearest);
 // The same for rays that have an origin each. Their hits count from t = 0 on.
-using RayAnyHitKernel = void(const Instance& instance, const RayBlock& rays, std::uint8_t* blocked);
+using RayAnyHitKernel = void(const Instance& instance, const RayBlock& rays, RayBits& open);
 using RayDistanceKernel = void(const Instance& instance, const RayBlock& rays, float* nearest);
 
 struct RayKernels {

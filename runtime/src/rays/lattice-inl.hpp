@@ -40,8 +40,7 @@ struct LatticePlaces {
 // nearest_lattice_point.
 HWY_INLINE VI nearest_lattice_points(std::uint32_t lattice, const V3& q) {
     const LatticePlaces places(lattice, q);
-    return hn::ConvertTo(I(),
-                         hn::MulAdd(hn::Floor(places.row), set(static_cast<float>(lattice)), places.column));
+    return truncated(hn::MulAdd(hn::Floor(places.row), set(static_cast<float>(lattice)), places.column));
 }
 
 // lattice_neighbours, and for each point p the number p (p + 1) / 2.
@@ -74,7 +73,7 @@ struct Neighbours {
             const Step &i = columns[k & 1], &j = rows[k >> 1];
             const VF point = hn::MulAdd(hn::IfThenElse(i.beyond, j.mirrored, j.place), side,
                                         hn::IfThenElse(j.beyond, i.mirrored, i.place));
-            points[k] = hn::ConvertTo(I(), point);
+            points[k] = truncated(point);
             triangles[k] = hn::ShiftRight<1>(hn::Mul(points[k], hn::Add(points[k], hn::Set(I(), 1))));
             shares[k] = hn::Mul(k & 1 ? f : hn::Sub(one, f), k >> 1 ? g : hn::Sub(one, g));
         }

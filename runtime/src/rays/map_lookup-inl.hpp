@@ -1,4 +1,4 @@
-// probe_line and hit_parameter of lookup.hpp for fields of Slater's points and concentric maps, without
+// probe_line of lookup.hpp for fields of Slater's points and concentric maps, without
 // reading anything but the texel: the sample's place and frame are computed, where a table of samples would
 // take six gathers. Seen once a target.
 #include <cstddef>
@@ -22,11 +22,9 @@ struct MapField {
     explicit MapField(const dfield_field& field)
         : n(static_cast<float>(field.maps.parameters.subdivision)),
           points(static_cast<float>(field.points.size())),
-          map_size(static_cast<float>(field.maps.parameters.map_size)),
-          stride(static_cast<std::int32_t>(field.map_stride * 8 / field.maps.parameters.bits)) {}
+          map_size(static_cast<float>(field.maps.parameters.map_size)) {}
 
     float n, points, map_size;
-    std::int32_t stride;  // texels from one map to the next
 };
 
 // A positional sample near a point of the sphere.
@@ -101,7 +99,7 @@ HWY_INLINE Samples nearest_sample(const MapField& field, const V3& q) {
     return result;
 }
 
-// concentric_texel of a direction in the frame of -point. `square` receives its squared length.
+// concentric_texel of a direction in the frame of -point.
 HWY_INLINE VF texel_of(const MapField& field, const Samples& sample, const V3& aim, VF inverse_length) {
     // frame_of_normal(n).to_local(aim) with n = -point.
     const V3 n{hn::Neg(sample.point.x), hn::Neg(sample.point.y), hn::Neg(sample.point.z)};
@@ -125,32 +123,6 @@ HWY_INLINE VF texel_of(const MapField& field, const Samples& sample, const V3& a
     };
     const VF s = cell(hn::IfThenElse(turned, b, a)), t = cell(hn::IfThenElse(turned, a, b));
     return hn::MulAdd(t, set(field.map_size), s);
-}
-
-// Where the answers for lines lie, and what to make of them: a texel's distance x, in radii, is a hit at
-// t = base + scale * x.
-struct Probes {
-    VI texel;  // counted over all maps
-    VI map;
-    VF scale, base;
-    VF cosine;  // between aim and the sample's inward normal
-};
-
-// from_exit: lanes that look back from the exit point. Lanes that are not valid get some texel of the field.
-HWY_INLINE Probes probe(const MapField& field, const Chords& chord, MF from_exit, MF valid) {
-    const V3 q = chord.at_middle_plus(hn::IfThenElse(from_exit, chord.half, hn::Neg(chord.half)));
-    const Samples sample = nearest_sample(field, q);
-    const V3 aim = chord.middle - sample.point;
-    const VF inverse_length = inverse_root(dot(aim, aim));
-    const VF texel = texel_of(field, sample, aim, inverse_length);
-    Probes result;
-    result.map = hn::ConvertTo(I(), hn::IfThenElseZero(valid, sample.index));
-    result.texel = hn::Add(hn::Mul(result.map, hn::Set(I(), field.stride)), hn::ConvertTo(I(), texel));
-    const VF towards = hn::Mul(dot(aim, chord.direction), chord.inverse_square);
-    result.scale = hn::Mul(inverse_length, towards);
-    result.base = hn::Sub(chord.t_middle, towards);
-    result.cosine = hn::Mul(hn::Neg(dot(aim, sample.point)), inverse_length);
-    return result;
 }
 
 }  // namespace dfield::runtime::HWY_NAMESPACE

@@ -10,14 +10,10 @@
 #include <glm/vec3.hpp>
 
 #include "lookup.hpp"
+#include "rays/ray_groups.hpp"
 #include "scene.hpp"
 
 namespace dfield::runtime {
-
-// Rays of a block, which share stack-held results. Arrays handed to kernels can be read kRayPadding elements
-// past their end.
-inline constexpr std::size_t kRayBlock = 256;
-inline constexpr std::size_t kRayPadding = 16;
 
 // LeavingBox for directions of another space than the box's, which `carry` leads from.
 struct LeavingDirections {

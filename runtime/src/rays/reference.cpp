@@ -12,15 +12,14 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-void maps_any_hits(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
-                   std::uint8_t* blocked) {
+void maps_any_hits(const RayQuery& query, const GroupedRays& rays, RayBits& open) {
     AnyHitBatch batch;
     Chord chord;
-    for (std::size_t i = 0; i < count; ++i)
-        if (!blocked[i] && chord_of_query(query, {x[i], y[i], z[i]}, chord))
+    for (std::size_t i = 0; i < rays.count(); ++i)
+        if (has_bit(open, i) && chord_of_query(query, rays.direction(i), chord))
             batch.add(chord, static_cast<std::uint16_t>(i), query.minimum, query.in_front);
     with_bits(*query.field, [&]<int kBits>() {
-        batch.look_up<kBits>(*query.field, [&](std::uint16_t i) { blocked[i] = 1; });
+        batch.look_up<kBits>(*query.field, [&](std::uint16_t i) { clear_bit(open, i); });
     });
 }
 
@@ -36,12 +35,11 @@ float map_distance(const RayQuery& query, const Chord& chord) {
     return t >= query.minimum ? t : kInfinity;
 }
 
-void maps_distances(const RayQuery& query, const float* x, const float* y, const float* z, std::size_t count,
-                    float* nearest) {
+void maps_distances(const RayQuery& query, const GroupedRays& rays, float* nearest) {
     with_bits(*query.field, [&]<int kBits>() {
         Chord chord;
-        for (std::size_t i = 0; i < count; ++i)
-            if (chord_of_query(query, {x[i], y[i], z[i]}, chord))
+        for (std::size_t i = 0; i < rays.count(); ++i)
+            if (chord_of_query(query, rays.direction(i), chord))
                 nearest[i] = std::min(nearest[i], map_distance<kBits>(query, chord));
     });
 }
@@ -59,13 +57,13 @@ void for_map_rays(const Instance& instance, const RayBlock& rays, const LookUp& 
     }
 }
 
-void maps_ray_any_hits(const Instance& instance, const RayBlock& rays, std::uint8_t* blocked) {
+void maps_ray_any_hits(const Instance& instance, const RayBlock& rays, RayBits& open) {
     AnyHitBatch batch;
     for_map_rays(instance, rays, [&](std::size_t i, const Chord& chord) {
-        if (!blocked[i]) batch.add(chord, static_cast<std::uint16_t>(i), 0, false);
+        if (has_bit(open, i)) batch.add(chord, static_cast<std::uint16_t>(i), 0, false);
     });
     with_bits(*instance.field, [&]<int kBits>() {
-        batch.look_up<kBits>(*instance.field, [&](std::uint16_t i) { blocked[i] = 1; });
+        batch.look_up<kBits>(*instance.field, [&](std::uint16_t i) { clear_bit(open, i); });
     });
 }
 
@@ -88,9 +86,9 @@ void for_line_rays(const Instance& instance, const RayBlock& rays, const LookUp&
     }
 }
 
-void lines_ray_any_hits(const Instance& instance, const RayBlock& rays, std::uint8_t* blocked) {
+void lines_ray_any_hits(const Instance& instance, const RayBlock& rays, RayBits& open) {
     for_line_rays(instance, rays, [&](std::size_t i, const Chord& chord) {
-        if (!blocked[i] && line_blocked(*instance.field, chord, 0, false)) blocked[i] = 1;
+        if (has_bit(open, i) && line_blocked(*instance.field, chord, 0, false)) clear_bit(open, i);
     });
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <glm/vec3.hpp>
 
 #if defined(DFIELD_RAYS_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
@@ -25,6 +26,20 @@ using MF = hn::Mask<F>;
 struct V3 {
     VF x, y, z;
 };
+
+// Of numbers within the range of integers; anything for others. Highway's own mends overflow, which takes as
+// long as the rest of a lattice point.
+HWY_INLINE VI truncated(VF v) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+    return VI{_mm512_cvttps_epi32(v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+    return VI{_mm256_cvttps_epi32(v.raw)};
+#elif HWY_TARGET == HWY_SSE4
+    return VI{_mm_cvttps_epi32(v.raw)};
+#else
+    return hn::ConvertTo(I(), v);
+#endif
+}
 
 HWY_INLINE VF set(float value) {
     return hn::Set(F(), value);
@@ -52,6 +67,13 @@ HWY_INLINE VF inverse_root(VF x) {
     const VF safe = hn::Max(x, set(1e-36f));
     const VF r = hn::ApproximateReciprocalSqrt(safe);
     return hn::Mul(r, hn::NegMulAdd(hn::Mul(set(0.5f), safe), hn::Mul(r, r), set(1.5f)));
+}
+
+// The root itself, 0 for 0.
+HWY_INLINE VF root(VF x) {
+    const VF r = hn::ApproximateReciprocalSqrt(hn::Max(x, set(1e-36f)));
+    const VF s = hn::Mul(x, r);
+    return hn::MulAdd(s, hn::NegMulAdd(s, hn::Mul(set(0.5f), r), set(0.5f)), s);
 }
 
 // format/angle.hpp's.
@@ -95,18 +117,42 @@ struct Chords {
     MF valid;
 
     HWY_INLINE Chords(const V3& origin, const V3& d, float radius = 1) : direction(d) {
-        const VF inverse_length = inverse_root(dot(d, d));
-        inverse_square = hn::Mul(inverse_length, inverse_length);
+        inverse_square = reciprocal(dot(d, d));
         t_middle = hn::Mul(hn::Neg(dot(origin, d)), inverse_square);
         middle = along(origin, t_middle, d);
         const VF rest = hn::Sub(set(radius * radius), dot(middle, middle));
         valid = hn::Gt(rest, set(0));
-        half = hn::Mul(hn::Mul(rest, inverse_root(rest)), inverse_length);
+        half = root(hn::Mul(rest, inverse_square));
     }
     HWY_INLINE VF t_in() const { return hn::Sub(t_middle, half); }
     HWY_INLINE VF t_out() const { return hn::Add(t_middle, half); }
     HWY_INLINE V3 at_middle_plus(VF t) const { return along(middle, t, direction); }
 };
+
+// A mask's lanes as bits, the first lane lowest, and back.
+HWY_INLINE std::uint32_t bits_of_mask(MF mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(F(), mask, bytes);
+    std::uint32_t bits;
+    std::memcpy(&bits, bytes, sizeof bits);
+    return bits;
+}
+HWY_INLINE MF mask_of_bits(std::uint32_t bits) {
+    std::uint8_t bytes[8] = {};
+    std::memcpy(bytes, &bits, sizeof bits);
+    return hn::LoadMaskBits(F(), bytes);
+}
+
+// The lowest of `bits`, spread over the places that `mask` names.
+HWY_INLINE std::uint64_t deposit(std::uint64_t bits, std::uint64_t mask) {
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2 && !defined(HWY_DISABLE_BMI2_FMA)
+    return _pdep_u64(bits, mask);
+#else
+    std::uint64_t result = 0;
+    for (; mask != 0; mask &= mask - 1, bits >>= 1) result |= mask & -mask & -(bits & 1);
+    return result;
+#endif
+}
 
 // Packs the lanes of a mask at the start of a register.
 class Packing {
