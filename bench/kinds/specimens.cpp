@@ -1,6 +1,7 @@
 #include "bench/kinds/specimens.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "bench/paper/page.hpp"
 #include "format/writer.hpp"
@@ -21,13 +22,17 @@ Specimen maps(const paper::Lab& lab, std::uint32_t subdivision, std::uint32_t ma
         plan, DFIELD_KIND_MAPS, headline};
 }
 
-Specimen lines(const paper::Lab& lab, std::uint32_t lattice, bool refined, bool headline) {
+enum class LineSpace { kSphere, kEllipsoid, kEllipsoidPivot };
+
+Specimen lines(const paper::Lab& lab, std::uint32_t lattice, LineSpace space, bool headline) {
+    constexpr std::array kNames{"line table", "line table, ellipsoid", "line table, pivot, ellipsoid"};
     LineParameters parameters;
     parameters.lattice = lab.quick() ? lattice / kQuickDivisor : lattice;
-    parameters.pivot = parameters.ellipsoid = refined;
+    parameters.ellipsoid = space != LineSpace::kSphere;
+    parameters.pivot = space == LineSpace::kEllipsoidPivot;
     FieldPlan plan;
     plan.lines = parameters;
-    return {refined ? "line table, pivot, ellipsoid" : "line table",
+    return {kNames[static_cast<std::size_t>(space)],
             paper::grouped(lattice_point_count(parameters.lattice)) + "²", plan, DFIELD_KIND_LINES, headline};
 }
 
@@ -49,16 +54,20 @@ Specimen direction_specimen(const paper::Lab& lab, std::uint32_t n, std::uint32_
 }
 
 std::vector<Specimen> specimens(const paper::Lab& lab, bool sweep) {
-    std::vector<Specimen> result{maps(lab, 32, 32, 8, true),    maps(lab, 32, 32, 1, true),
-                                 lines(lab, 33, false, true),   lines(lab, 33, true, true),
-                                 directions(lab, 16, 32, true), directions(lab, 16, 64, true)};
+    std::vector<Specimen> result{maps(lab, 32, 32, 8, true),
+                                 maps(lab, 32, 32, 1, true),
+                                 lines(lab, 33, LineSpace::kSphere, true),
+                                 lines(lab, 24, LineSpace::kEllipsoid, true),
+                                 lines(lab, 33, LineSpace::kEllipsoidPivot, true),
+                                 directions(lab, 16, 32, true),
+                                 directions(lab, 16, 64, true)};
     if (!sweep) return result;
     for (const auto& [n, m] : {std::pair{8u, 16u}, {16u, 16u}, {16u, 32u}, {32u, 64u}})
         for (const std::uint32_t bits : {8u, 1u})
             if (bits == 1 || m < 64) result.push_back(maps(lab, n, m, bits, false));
-    for (const bool refined : {false, true})
+    for (const LineSpace space : {LineSpace::kSphere, LineSpace::kEllipsoidPivot})
         for (const std::uint32_t lattice : {16u, 24u, 45u})
-            result.push_back(lines(lab, lattice, refined, false));
+            result.push_back(lines(lab, lattice, space, false));
     for (const auto& [n, m] : {std::pair{8u, 32u}, {24u, 32u}, {32u, 32u}, {8u, 64u}, {24u, 64u}, {32u, 64u}})
         result.push_back(directions(lab, n, m, false));
     return result;

@@ -47,15 +47,6 @@ inline bool may_meet(const Ball& ball, const DirectionCluster& cluster, const Di
     return std::fabs(glm::dot(cluster.axis, away)) >= bound - 1e-4f * std::sqrt(square);
 }
 
-// Calls use(k) for the lines of some clusters.
-template<class Use>
-void for_lines(std::uint32_t clusters, const Use& use) {
-    for (; clusters != 0; clusters &= clusters - 1) {
-        const std::size_t first = std::countr_zero(clusters) * kClusterSize;
-        for (std::size_t k = first; k < first + kClusterSize; ++k) use(k);
-    }
-}
-
 // Of `pairs`, the pairs with a line that may come near a caster: by clusters and groups of blocks.
 inline void find_near(const Chunk& chunk, const Slab& slab, const BlockPairs& pairs,
                       std::span<const DirectionCaster> casters, BlockPairs& result) {
@@ -79,38 +70,6 @@ inline void find_near(const Chunk& chunk, const Slab& slab, const BlockPairs& pa
             for (std::size_t group = 0; group < chunk.groups(); ++group)
                 result.rows[k][group] = groups >> group & 1 ? pairs.rows[k][group] : std::uint16_t{0};
     }
-}
-
-// Of `asked`, the words of the masks that are not 0.
-inline void find_touched(const Chunk& chunk, const BlockPairs& asked, const ChunkMasks& masks,
-                         BlockPairs& touched) {
-    touched.clusters = asked.clusters;
-    for_lines(asked.clusters, [&](std::size_t k) {
-        for (std::size_t group = 0; group < chunk.groups(); ++group) {
-            touched.rows[k][group] = 0;
-            if (asked.rows[k][group] == 0) continue;
-            const std::uint16_t* const words = &masks.rows[k][16 * group];
-            std::array<std::uint64_t, 4> fours;
-            std::memcpy(fours.data(), words, sizeof fours);
-            if ((fours[0] | fours[1] | fours[2] | fours[3]) == 0) continue;
-            std::uint32_t bits = 0;
-            for (int i = 0; i < 16; ++i) bits |= std::uint32_t{words[i] != 0} << i;
-            touched.rows[k][group] = static_cast<std::uint16_t>(bits);
-        }
-    });
-}
-
-// Takes out of `asked` the words that are all blocked.
-inline void keep_open(const Chunk& chunk, const ChunkMasks& masks, BlockPairs& asked) {
-    for_lines(asked.clusters, [&](std::size_t k) {
-        for (std::size_t group = 0; group < chunk.groups(); ++group) {
-            if (asked.rows[k][group] == 0) continue;
-            std::uint32_t bits = 0;
-            for (std::size_t i = 16 * group; i < 16 * group + 16; ++i)
-                bits |= std::uint32_t{masks.rows[k][i] != chunk.lanes[i]} << i % 16;
-            asked.rows[k][group] &= static_cast<std::uint16_t>(bits);
-        }
-    });
 }
 
 // Calls use(k, block) for touched words.

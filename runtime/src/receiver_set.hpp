@@ -23,7 +23,6 @@
 namespace dfield::runtime {
 
 // Which of a chunk's blocks; sixteen a word, as in ChunkMasks.
-using BlockSet = std::array<std::uint16_t, kChunkBlocks / 16>;
 
 inline constexpr std::size_t kChunkReceivers = kChunkBlocks * kLanes;
 inline constexpr std::uint32_t kNoReceiver = 0xffffffff;

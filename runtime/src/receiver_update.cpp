@@ -59,7 +59,7 @@ void dfield_receiver_set::find_pairs(const Chunk& chunk, const Slab& slab, const
     kernels.find_pairs(chunk, slab, pairs);
     if (!now.ground) return;
     kernels.add_ground(*now.ground, slab, chunk, scratch.now);
-    keep_open(chunk, scratch.now, pairs);
+    kernels.keep_open(chunk, scratch.now, pairs);
     scratch.now.clear(chunk, slab.count);
 }
 
@@ -130,7 +130,7 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
             scratch.prepared.clusters = 0;
             kernels.add_caster(caster, slab, chunk, open, found, scratch.prepared);
         }
-        find_touched(chunk, scratch.again, found, touched);
+        kernels.find_touched(chunk, scratch.again, found, touched);
     };
     find_near(chunk, slab, *still, casters_before_, scratch.again);
     add_changed(casters_before_, scratch.before, scratch.before_touched);
@@ -141,7 +141,7 @@ void dfield_receiver_set::update_slab(SetChunk& set_chunk, SlabMasks& state, con
     });
     // What they block now is put in, where not all is blocked anyway.
     find_near(chunk, slab, *still, casters_now_, scratch.again);
-    keep_open(chunk, masks, scratch.again);
+    kernels.keep_open(chunk, masks, scratch.again);
     add_changed(casters_now_, scratch.now, scratch.now_touched);
     for_touched(chunk, scratch.now_touched, [&](std::size_t k, std::size_t block) {
         const std::uint16_t bits = scratch.now.rows[k][block];
@@ -192,8 +192,8 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
     };
     BlockPairs& pairs = scratch.again;
     std::array<Prism, kSlab> prisms;
-    std::array<float, kSlab> x, y, z;  // their directions
-    std::array<std::uint8_t, kSlab> pass;
+    alignas(64) std::array<float, kSlab> x, y, z;  // their directions
+    std::array<std::uint32_t, kSlab / 32> pass;    // a bit each
     std::size_t count = 0;
     glm::vec3 axis(0), low(INFINITY), high(-INFINITY);
     for_lines(pairs.clusters, [&](std::size_t k) {
@@ -258,21 +258,20 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
     const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     for (const auto& [order, id] : scratch.candidates) {
         const Reach& reach = reaches_[id];
-        pass.fill(0);
+        std::fill_n(pass.begin(), (count + 31) / 32, 0u);
         for (const Ball& gate : gates) {
-            // One array an axis, so that compilers make vectors of the loop.
             const glm::vec3 away = reach.centre - gate.centre;
             const float near = kMargin * (reach.radius + gate.radius);
-            const float least = glm::dot(away, away) * 0.999999f - near * near;
-            for (std::size_t i = 0; i < count; ++i) {
-                const float along = x[i] * away.x + y[i] * away.y + z[i] * away.z;
-                pass[i] |= static_cast<std::uint8_t>(along * along >= least);
-            }
+            kernels.mark_along(x.data(), y.data(), z.data(), count, away,
+                               glm::dot(away, away) * 0.999999f - near * near, pass.data());
         }
         pairs.clusters = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            if (pass[i] && crosses(prisms[i].ball, reach, {x[i], y[i], z[i]}))
-                pairs.clusters |= 1u << prisms[i].k / kClusterSize;
+        for (std::size_t word = 0; 32 * word < count; ++word)
+            for (std::uint32_t rest = pass[word]; rest != 0; rest &= rest - 1) {
+                const std::size_t i = 32 * word + static_cast<std::size_t>(std::countr_zero(rest));
+                if (i < count && crosses(prisms[i].ball, reach, {x[i], y[i], z[i]}))
+                    pairs.clusters |= 1u << prisms[i].k / kClusterSize;
+            }
         if (pairs.clusters == 0) continue;
         scratch.prepared.clusters = 0;
         kernels.add_caster(direction_caster(*ao_, now.instances[id], id), slab, chunk, pairs, masks,
@@ -304,16 +303,17 @@ void dfield_receiver_set::ask_again(const Chunk& chunk, ChunkMasks& masks, const
 // Of blocks with changed lanes, as batch_visibility.
 void dfield_receiver_set::store_visibility(const SetChunk& set_chunk, std::size_t index) {
     const Chunk& chunk = set_chunk.chunk;
-    if (std::all_of(set_chunk.changed.begin(), set_chunk.changed.end(),
-                    [](std::uint16_t lanes) { return lanes == 0; }))
-        return;
+    BlockSet changed{};
+    for (std::size_t b = 0; b < chunk.blocks; ++b)
+        if (set_chunk.changed[b] != 0) changed[b / 16] |= static_cast<std::uint16_t>(1u << b % 16);
+    if (changed == BlockSet{}) return;
     alignas(64) std::array<float, kChunkReceivers> values;
     std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
     const BatchKernels& kernels = batch_kernels(context()->simd_targets);
     const std::size_t slabs = slab_count(ao_->shared);
     for (std::size_t s = 0; s < slabs; ++s) {
         const Slab slab(ao_->shared, s);
-        kernels.add_occluded(slab, chunk, slabs_[index * slabs + s].masks, values.data());
+        kernels.add_occluded(slab, chunk, slabs_[index * slabs + s].masks, changed, values.data());
     }
     kernels.finish_visibility(ao_->shared, chunk, values.data());
     for (std::size_t b = 0; b < chunk.blocks; ++b) {

@@ -140,7 +140,7 @@ void batch_visibility(const SceneState& scene, const dfield_ao& ao, const dfield
                    std::fill_n(values.begin(), chunk.blocks * kLanes, 0.0f);
                    if (ao.any_hit())
                        for_slabs(scene, ao, chunk, [&](const Slab& slab, const ChunkMasks& masks) {
-                           kernels.add_occluded(slab, chunk, masks, values.data());
+                           kernels.add_occluded(slab, chunk, masks, all_blocks(chunk), values.data());
                        });
                    else
                        for_distance_slabs(scene, {ao, false}, chunk,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -69,6 +70,24 @@ struct ChunkMasks {
             std::fill_n(rows[k].begin(), (chunk.blocks + 15) / 16 * 16, std::uint16_t{0});
     }
 };
+
+// Blocks of a chunk, a bit each.
+using BlockSet = std::array<std::uint16_t, kChunkBlocks / 16>;
+
+inline BlockSet all_blocks(const Chunk& chunk) {
+    BlockSet blocks{};
+    for (std::size_t g = 0; g < chunk.groups(); ++g) blocks[g] = chunk.blocks_of_group(g);
+    return blocks;
+}
+
+// Calls use(k) for the lines of some clusters of a slab.
+template<class Use>
+void for_lines(std::uint32_t clusters, const Use& use) {
+    for (; clusters != 0; clusters &= clusters - 1) {
+        const std::size_t first = static_cast<std::size_t>(std::countr_zero(clusters)) * kClusterSize;
+        for (std::size_t k = first; k < first + kClusterSize; ++k) use(k);
+    }
+}
 
 // Pairs of a line of a slab and a block; 16 blocks a word.
 struct BlockPairs {
@@ -170,8 +189,18 @@ struct BatchKernels {
     // caster's chunks can share.
     void (*add_caster)(const DirectionCaster& caster, const Slab& slab, const Chunk& chunk, BlockPairs& pairs,
                        ChunkMasks& masks, PreparedLines& prepared);
-    // Adds weight * |n.w| of blocked ends to occluded[receiver].
-    void (*add_occluded)(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded);
+    // Takes out of `pairs` the words that are all blocked.
+    void (*keep_open)(const Chunk& chunk, const ChunkMasks& masks, BlockPairs& pairs);
+    // Of `asked`, the words of the masks that are not 0.
+    void (*find_touched)(const Chunk& chunk, const BlockPairs& asked, const ChunkMasks& masks,
+                         BlockPairs& touched);
+    // Sets bit i where (direction i . away)^2 >= least; arrays aligned and readable up to a multiple of
+    // sixteen.
+    void (*mark_along)(const float* x, const float* y, const float* z, std::size_t count,
+                       const glm::vec3& away, float least, std::uint32_t* bits);
+    // Adds weight * |n.w| of blocked ends to occluded[receiver], in some blocks.
+    void (*add_occluded)(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks,
+                         const BlockSet& blocks, float* occluded);
     // Of sums of all slabs, in place: visibility, 1 - occluded / SharedDirections::total.
     void (*finish_visibility)(const SharedDirections& shared, const Chunk& chunk, float* values);
 };

@@ -507,12 +507,44 @@ inline void add_caster(const DirectionCaster& caster, const Slab& slab, const Ch
     });
 }
 
+inline void mark_along(const float* x, const float* y, const float* z, std::size_t count,
+                       const glm::vec3& away, float least, std::uint32_t* bits) {
+    const F d;
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        const V along = hn::MulAdd(hn::Set(d, away.x), hn::Load(d, x + i),
+                                   hn::MulAdd(hn::Set(d, away.y), hn::Load(d, y + i),
+                                              hn::Mul(hn::Set(d, away.z), hn::Load(d, z + i))));
+        bits[i / 32] |= mask_bits(d, hn::Ge(hn::Mul(along, along), hn::Set(d, least))) << i % 32;
+    }
+}
+
 // Weight times |n.w| for sixteen normals, n.w being `cosine`; the ends' weights may differ.
 HWY_INLINE V share_of(F d, V cosine, V front, V back) {
     return hn::Mul(hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), back, front), hn::Abs(cosine));
 }
 
-inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
+inline void keep_open(const Chunk& chunk, const ChunkMasks& masks, BlockPairs& pairs) {
+    for_lines(pairs.clusters, [&](std::size_t k) HWY_ATTR {
+        for (std::size_t g = 0; g < chunk.groups(); ++g)
+            if (pairs.rows[k][g] != 0)
+                pairs.rows[k][g] &=
+                    static_cast<std::uint16_t>(open_words(&masks.rows[k][16 * g], &chunk.lanes[16 * g]));
+    });
+}
+
+inline void find_touched(const Chunk& chunk, const BlockPairs& asked, const ChunkMasks& masks,
+                         BlockPairs& touched) {
+    touched.clusters = asked.clusters;
+    for_lines(asked.clusters, [&](std::size_t k) HWY_ATTR {
+        for (std::size_t g = 0; g < chunk.groups(); ++g)
+            touched.rows[k][g] = asked.rows[k][g] != 0
+                                     ? static_cast<std::uint16_t>(words_set(&masks.rows[k][16 * g]))
+                                     : std::uint16_t{0};
+    });
+}
+
+inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks,
+                         const BlockSet& blocks, float* occluded) {
     const F d;
     const auto add = [&](std::size_t lane, std::uint32_t bits, V share) HWY_ATTR {
         hn::Store(hn::Add(hn::Load(d, occluded + lane), keep_bits(d, bits, share)), d, occluded + lane);
@@ -528,7 +560,8 @@ inline void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks&
             return share_of(d, cosine, front, back);
         };
         for (std::size_t g = 0; g < chunk.groups(); ++g) {
-            const std::uint32_t blocked = words_set(&masks.rows[k][16 * g]);
+            if (blocks[g] == 0) continue;
+            const std::uint32_t blocked = blocks[g] & words_set(&masks.rows[k][16 * g]);
             if (blocked == 0) continue;
             if (const std::uint32_t flat = blocked & chunk.flat[g]) {  // one share a block
                 HWY_ALIGN std::array<float, 16> shares;

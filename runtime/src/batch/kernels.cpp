@@ -16,8 +16,9 @@ HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::HWY_NAMESPACE {
 
 const BatchKernels& kernels_of_target() {
-    static constexpr BatchKernels kKernels{load_packed, find_cells, bound_block,  find_pairs,
-                                           add_ground,  add_caster, add_occluded, finish_visibility};
+    static constexpr BatchKernels kKernels{load_packed, find_cells,   bound_block,      find_pairs,
+                                           add_ground,  add_caster,   keep_open,        find_touched,
+                                           mark_along,  add_occluded, finish_visibility};
     return kKernels;
 }
 

@@ -97,9 +97,37 @@ void add_caster(const DirectionCaster& caster, const Slab& slab, const Chunk& ch
     for_levels(caster, [&](const DirectionCaster& level) { add_level(level, slab, chunk, pairs, masks); });
 }
 
-void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, float* occluded) {
+void keep_open(const Chunk& chunk, const ChunkMasks& masks, BlockPairs& pairs) {
+    for_lines(pairs.clusters, [&](std::size_t k) {
+        for (std::size_t b = 0; b < chunk.blocks; ++b)
+            if (masks.rows[k][b] == chunk.lanes[b])
+                pairs.rows[k][b / 16] &= static_cast<std::uint16_t>(~(1u << b % 16));
+    });
+}
+
+void find_touched(const Chunk& chunk, const BlockPairs& asked, const ChunkMasks& masks, BlockPairs& touched) {
+    touched.clusters = asked.clusters;
+    for_lines(asked.clusters, [&](std::size_t k) {
+        touched.rows[k].fill(0);
+        for (std::size_t b = 0; b < chunk.blocks; ++b)
+            if (asked.rows[k][b / 16] != 0 && masks.rows[k][b] != 0)
+                touched.rows[k][b / 16] |= static_cast<std::uint16_t>(1u << b % 16);
+    });
+}
+
+void mark_along(const float* x, const float* y, const float* z, std::size_t count, const glm::vec3& away,
+                float least, std::uint32_t* bits) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float along = x[i] * away.x + y[i] * away.y + z[i] * away.z;
+        bits[i / 32] |= std::uint32_t{along * along >= least} << i % 32;
+    }
+}
+
+void add_occluded(const Slab& slab, const Chunk& chunk, const ChunkMasks& masks, const BlockSet& blocks,
+                  float* occluded) {
     for (std::size_t k = 0; k < slab.count; ++k)
         for (std::size_t i = 0; i < chunk.blocks * kLanes; ++i) {
+            if (!(blocks[i / kLanes / 16] >> i / kLanes % 16 & 1)) continue;
             if (!(masks.rows[k][i / kLanes] >> i % kLanes & 1)) continue;
             const int end = slab.faced_end(k, chunk.normal(i));
             occluded[i] += slab.shared.weight[end][slab.first + k] *
@@ -114,7 +142,8 @@ void finish_visibility(const SharedDirections& shared, const Chunk& chunk, float
 
 }  // namespace
 
-const BatchKernels kReferenceKernels{load_packed, find_cells, bound_block,  find_pairs,
-                                     add_ground,  add_caster, add_occluded, finish_visibility};
+const BatchKernels kReferenceKernels{load_packed, find_cells,   bound_block,      find_pairs,
+                                     add_ground,  add_caster,   keep_open,        find_touched,
+                                     mark_along,  add_occluded, finish_visibility};
 
 }  // namespace dfield::runtime
