@@ -87,99 +87,173 @@ struct GroupSweep {
     std::ptrdiff_t border_stride = 0;
 
     // Visibility; all as above.
-    const float* tau = nullptr;  // transmittance / 3
+    float alpha = 1;  // equation 8
     float* light_below = nullptr;
     float* light_border = nullptr;
-    std::uint8_t* visibility = nullptr;  // kOctants: a byte a voxel
-    float* sum = nullptr;                // kCombined: intensity * V is added
+    // kOctants: a word a vertex of slice 0. Byte p belongs to slice p, which lags: to its vertex p vectors
+    // before.
+    std::uint32_t* visibility = nullptr;
+    float* sum = nullptr;  // kCombined: intensity * V is added
     float intensity = 1;
     std::size_t nx = 0, rows = 0;  // rows of the group that exist
     bool falling = true;           // the layout
 };
 
-// kUpward: rows in ascending order, lane l follows lane l - 1.
-template<bool kUpward, Carried kCarried, class Solver>
-HWY_INLINE void sweep_group(const GroupSweep& s, const Solver& solver) {
-    constexpr std::ptrdiff_t kN = kLanes, kS = kSlices;
-    constexpr bool kLight = kCarried != Carried::kNone;
-    const F f;
-    const hn::RebindToSigned<F> i32;
-    using VI = hn::Vec<decltype(i32)>;
-    const VI iota = hn::Iota(i32, 0);
-    // The rotation by a lane; the lane that comes from another group is filled in.
-    const auto turn = hn::IndicesFromVec(
-        f, hn::And(hn::Add(iota, hn::Set(i32, kUpward ? kN - 1 : 1)), hn::Set(i32, kN - 1)));
-    const auto entering = hn::RebindMask(f, hn::Eq(iota, hn::Set(i32, kUpward ? 0 : kN - 1)));
-    const std::ptrdiff_t direction = s.ascending ? 1 : -1;
-    const std::ptrdiff_t start = s.ascending ? 0 : s.vectors - 1;
-    // Of the rows that enter and leave: x = t - offset.
-    const std::ptrdiff_t enters = s.ascending ? 0 : kN - 1, leaves = kN - 1 - enters;
-    const VI offsets = s.falling ? iota : hn::Sub(hn::Set(i32, kN - 1), iota);
-    const auto row_exists = hn::Lt(iota, hn::Set(i32, static_cast<std::int32_t>(s.rows)));
-    const VI nx = hn::Set(i32, static_cast<std::int32_t>(s.nx)), minus_one = hn::Set(i32, -1);
-    const VF scale = hn::Set(f, kCarried == Carried::kOctants ? 255.0f / 3 : s.intensity / 3);
-    const VF one = hn::Set(f, 1.0f);
+using I32 = hn::RebindToSigned<F>;
+using VI = hn::Vec<I32>;
+using U32 = hn::RebindToUnsigned<F>;
 
-    VF d[kSlices], light[kSlices];
-    for (std::size_t p = 0; p < kSlices; ++p) {
-        d[p] = hn::Set(f, kFar);
-        light[p] = one;
+// Lane l of a vector of rows follows lane l - 1 (upward) or l + 1; the lane that comes from another group is
+// filled in.
+template<bool kUpward>
+class RowOrder {
+  public:
+    HWY_INLINE RowOrder()
+        : turn(hn::IndicesFromVec(F(),
+                                  hn::And(hn::Add(hn::Iota(I32(), 0), hn::Set(I32(), kUpward ? kN - 1 : 1)),
+                                          hn::Set(I32(), kN - 1)))),
+          entering(hn::RebindMask(F(), hn::Eq(hn::Iota(I32(), 0), hn::Set(I32(), kUpward ? 0 : kN - 1)))) {}
+
+    // The previous row's values, given this vector's predecessor. Its last lane leaves for the next group.
+    HWY_INLINE VF previous_row(VF last, float* leaves, const float* enters) const {
+        const VF turned = hn::TableLookupLanes(last, turn);
+        *leaves = hn::GetLane(kUpward ? turned : last);
+        return hn::IfThenElse(entering, hn::Set(F(), *enters), turned);
     }
-    const auto step = [&](std::ptrdiff_t i, auto is_edge) HWY_ATTR {
-        constexpr bool kEdge = decltype(is_edge)::value;
+
+  private:
+    static constexpr std::int32_t kN = kLanes;
+    decltype(hn::IndicesFromVec(F(), VI())) turn;
+    hn::Mask<F> entering;
+};
+
+// Equations 7 and 8 of a vertex's distance as sweeps have it, and a weight of equation 6.
+struct Transmittance {
+    VF slope, at_zero, darkest, brightest;
+    HWY_INLINE Transmittance(float alpha, float weight)
+        : slope(hn::Set(F(), weight * alpha)),
+          at_zero(hn::Set(F(), weight * (1 - alpha / 2))),
+          darkest(hn::Set(F(), weight * (1 - alpha))),
+          brightest(hn::Set(F(), weight)) {}
+    HWY_INLINE VF operator()(VF distance) const {
+        const VF sign = hn::BitCast(F(), hn::ShiftLeft<31>(hn::BitCast(I32(), distance)));
+        return hn::Min(hn::Max(hn::MulAdd(hn::Xor(distance, sign), slope, at_zero), darkest), brightest);
+    }
+};
+
+// kUpward: rows in ascending order.
+template<bool kUpward, Carried kCarried, class Solver>
+class GroupKernel {
+  public:
+    HWY_INLINE GroupKernel(const GroupSweep& sweep, const Solver& solver)
+        : s_(sweep),
+          solver_(solver),
+          order_(),
+          direction_(sweep.ascending ? 1 : -1),
+          start_(sweep.ascending ? 0 : sweep.vectors - 1),
+          enters_(sweep.ascending ? 0 : kN - 1),
+          leaves_(kN - 1 - enters_ + direction_),
+          tau_(sweep.alpha, 1.0f / 3),
+          scale_(hn::Set(F(), kCarried == Carried::kOctants ? 255.0f / 3 : sweep.intensity / 3)),
+          inside_bit_(hn::BitCast(F(), hn::Set(I32(), kInsideBit))),
+          visibility_(hn::Zero(U32())) {
+        for (std::size_t p = 0; p < kSlices; ++p) {
+            d_[p] = hn::Set(F(), kFar);
+            light_[p] = hn::Set(F(), 1.0f);
+        }
+    }
+
+    HWY_INLINE void run() {
+        const std::ptrdiff_t end =
+            s_.vectors + kS;  // one more step than slices lag: the last border is stored
+        if constexpr (kCarried == Carried::kNone) {
+            for (std::ptrdiff_t i = 0; i < end; ++i) step<false>(i);
+        } else {
+            // All lanes of all slices lie within the grid from vector kN - 1 to nx - 1.
+            const std::ptrdiff_t width = static_cast<std::ptrdiff_t>(s_.nx);
+            const bool whole = s_.rows == kLanes && width > kN + kS;
+            const std::ptrdiff_t first = whole ? kN - 1 + kS - 1 : end, last = whole ? width : end;
+            for (std::ptrdiff_t i = 0; i < first; ++i) step<true>(i);
+            for (std::ptrdiff_t i = first; i < last; ++i) step<false>(i);
+            for (std::ptrdiff_t i = last; i < end; ++i) step<true>(i);
+        }
+    }
+
+  private:
+    static constexpr std::ptrdiff_t kN = kLanes, kS = kSlices;
+
+    // Vector i of the first slice, i - 1 of the second, ...
+    template<bool kEdge>
+    HWY_INLINE void step(std::ptrdiff_t i) {
 #pragma GCC unroll 4
         for (std::ptrdiff_t p = kS - 1; p >= 0; --p) {
-            const std::ptrdiff_t t = start + direction * (i - p);
-            float* const border = s.border + p * s.border_stride;
-            const VF turned = hn::TableLookupLanes(d[p], turn);
-            border[t - direction - leaves] = hn::GetLane(kUpward ? turned : d[p]);
-            const VF ay = hn::IfThenElse(entering, hn::Set(f, border[t - enters]), turned);
-            const VF az = p > 0 ? d[p > 0 ? p - 1 : 0] : hn::Load(f, s.below + t * kN);
-            float* const at = s.distance + p * s.slice_stride + t * kN;
+            const std::ptrdiff_t t = start_ + direction_ * (i - p), voxel = p * s_.slice_stride + t * kN;
+            const std::ptrdiff_t border = p * s_.border_stride + t;
+            const F f;
+            float* const at = s_.distance + voxel;
+            const VF ay =
+                order_.previous_row(d_[p], s_.border + border - leaves_, s_.border + border - enters_);
+            const VF az = p > 0 ? d_[p > 0 ? p - 1 : 0] : hn::Load(f, s_.below + t * kN);
             // Frozen vertices are negative, and stay what they are.
-            const VF result = hn::Min(hn::Load(f, at), solver(d[p], ay, az));
+            const VF before = hn::Load(f, at);
+            const VF result = hn::Min(before, hn::IfVecThenElse(inside_bit_, before, solver_(d_[p], ay, az)));
             hn::Store(result, f, at);
-            d[p] = hn::Abs(result);
-            if (p == kS - 1) hn::Store(d[p], f, s.below + t * kN);
-
-            if constexpr (kLight) {
-                float* const edge = s.light_border + p * s.border_stride;
-                const VF turned_light = hn::TableLookupLanes(light[p], turn);
-                edge[t - direction - leaves] = hn::GetLane(kUpward ? turned_light : light[p]);
-                const VF ly = hn::IfThenElse(entering, hn::Set(f, edge[t - enters]), turned_light);
-                const VF lz = p > 0 ? light[p > 0 ? p - 1 : 0] : hn::Load(f, s.light_below + t * kN);
-                const VF sum = hn::Add(hn::Add(light[p], ly), lz);  // equation 6 but for the third
-                const std::ptrdiff_t voxel = p * s.slice_stride + t * kN;
-                light[p] = hn::Mul(sum, hn::Load(f, s.tau + voxel));
-                if constexpr (kEdge) {  // V = 1 outside the grid
-                    const VI x = hn::Sub(hn::Set(i32, static_cast<std::int32_t>(t)), offsets);
-                    const auto exists = hn::And(hn::And(hn::Gt(x, minus_one), hn::Lt(x, nx)), row_exists);
-                    light[p] = hn::IfThenElse(hn::RebindMask(f, exists), light[p], one);
-                }
-                if (p == kS - 1) hn::Store(light[p], f, s.light_below + t * kN);
-                if constexpr (kCarried == Carried::kOctants) {
-                    const hn::Rebind<std::uint8_t, F> u8;
-                    hn::StoreU(hn::DemoteTo(u8, hn::NearestInt(hn::Mul(sum, scale))), u8,
-                               s.visibility + voxel);
-                } else {
-                    float* const total = s.sum + voxel;
-                    hn::Store(hn::MulAdd(sum, scale, hn::Load(f, total)), f, total);
-                }
-            }
+            d_[p] = hn::Abs(result);
+            if (p == kS - 1) hn::Store(d_[p], f, s_.below + t * kN);
+            if constexpr (kCarried != Carried::kNone) carry<kEdge>(p, t, voxel, border);
         }
-    };
-    const std::ptrdiff_t end = s.vectors + kS;  // one more step than slices lag: the last border is stored
-    if constexpr (!kLight) {
-        for (std::ptrdiff_t i = 0; i < end; ++i) step(i, std::false_type());
-    } else {
-        // All lanes of all slices lie within the grid from vector kN - 1 to nx - 1.
-        const std::ptrdiff_t width = static_cast<std::ptrdiff_t>(s.nx);
-        const bool whole = s.rows == kLanes && width > kN + kS;
-        const std::ptrdiff_t first = whole ? kN - 1 + kS - 1 : end, last = whole ? width : end;
-        for (std::ptrdiff_t i = 0; i < first; ++i) step(i, std::true_type());
-        for (std::ptrdiff_t i = first; i < last; ++i) step(i, std::false_type());
-        for (std::ptrdiff_t i = last; i < end; ++i) step(i, std::true_type());
     }
+
+    template<bool kEdge>
+    HWY_INLINE void carry(std::ptrdiff_t p, std::ptrdiff_t t, std::ptrdiff_t voxel, std::ptrdiff_t border) {
+        const F f;
+        const VF ly = order_.previous_row(light_[p], s_.light_border + border - leaves_,
+                                          s_.light_border + border - enters_);
+        const VF lz = p > 0 ? light_[p > 0 ? p - 1 : 0] : hn::Load(f, s_.light_below + t * kN);
+        const VF sum = hn::Add(hn::Add(light_[p], ly), lz);  // equation 6 but for the third
+        light_[p] = hn::Mul(sum, tau_(d_[p]));
+        if constexpr (kEdge) light_[p] = hn::IfThenElse(exists(t), light_[p], hn::Set(f, 1.0f));
+        if (p == kS - 1) hn::Store(light_[p], f, s_.light_below + t * kN);
+        if constexpr (kCarried == Carried::kOctants) {
+            // Added to 2^23, a number's nearest integer is what its last bits say.
+            const auto rounded = hn::BitCast(U32(), hn::MulAdd(sum, scale_, hn::Set(f, 0x1p23f)));
+            // From the last slice on, each shifts those after it up by a byte.
+            visibility_ =
+                p == kS - 1 ? rounded
+                            : hn::IfVecThenElse(hn::Set(U32(), 0xff), rounded, hn::ShiftLeft<8>(visibility_));
+            if (p == 0) hn::Store(visibility_, U32(), s_.visibility + t * kN);
+        } else {
+            float* const total = s_.sum + voxel;
+            hn::Store(hn::MulAdd(sum, scale_, hn::Load(f, total)), f, total);
+        }
+    }
+
+    // The lanes of vector t within the grid; V = 1 in the others.
+    HWY_INLINE hn::Mask<F> exists(std::ptrdiff_t t) const {
+        const I32 i32;
+        const VI lane = hn::Iota(i32, 0), offset = s_.falling ? lane : hn::Sub(hn::Set(i32, kN - 1), lane);
+        const VI x = hn::Sub(hn::Set(i32, static_cast<std::int32_t>(t)), offset);
+        const auto in_x =
+            hn::And(hn::Gt(x, hn::Set(i32, -1)), hn::Lt(x, hn::Set(i32, static_cast<std::int32_t>(s_.nx))));
+        return hn::RebindMask(F(),
+                              hn::And(in_x, hn::Lt(lane, hn::Set(i32, static_cast<std::int32_t>(s_.rows)))));
+    }
+
+    const GroupSweep s_;
+    const Solver solver_;
+    const RowOrder<kUpward> order_;
+    const std::ptrdiff_t direction_, start_;
+    // Of the rows that enter and leave: x = t less this.
+    const std::ptrdiff_t enters_, leaves_;
+    const Transmittance tau_;
+    const VF scale_, inside_bit_;
+    VF d_[kSlices], light_[kSlices];
+    hn::Vec<U32> visibility_;
+};
+
+template<bool kUpward, Carried kCarried, class Solver>
+void sweep_group(const GroupSweep& sweep, const Solver& solver) {
+    GroupKernel<kUpward, kCarried, Solver>(sweep, solver).run();
 }
 
 #endif

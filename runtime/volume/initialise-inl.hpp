@@ -84,10 +84,9 @@ struct RowStencil {
     bool border_y, border_z;
 };
 
-// Distances of a row in units of grid.h(): minus the distance of vertices on a crossing edge (frozen), kFar
-// for the others. inside: a bit a vertex, in bytes of eight (kLanes / 8 of them written at a time).
-HWY_INLINE void initialise_row(const Grid& grid, const RowStencil& rows, float* HWY_RESTRICT out,
-                               std::uint8_t* HWY_RESTRICT inside_bits) {
+// Distances of a row as sweeps have them (layout-inl.hpp): those of vertices on a crossing edge, kFar for
+// others.
+HWY_INLINE void initialise_row(const Grid& grid, const RowStencil& rows, float* HWY_RESTRICT out) {
     const F f;
     const VF zero = hn::Zero(f), far = hn::Set(f, kFar), half = hn::Set(f, 0.5f);
     const VF last = hn::Set(f, static_cast<float>(grid.nx - 1)), lanes = hn::Iota(f, 0);
@@ -125,26 +124,10 @@ HWY_INLINE void initialise_row(const Grid& grid, const RowStencil& rows, float* 
             const VF steepness = hn::Sqrt(hn::MulAdd(sx, sx, hn::MulAdd(sy, sy, hn::Mul(sz, sz))));
             result = hn::IfThenElse(crossed, hn::Neg(hn::Div(size, steepness)), far);
         }
-        hn::StoreU(result, f, out + x);
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(f, inside, bits);
-        if constexpr (kLanes == 4) {  // half a byte at a time
-            std::uint8_t& byte = inside_bits[x / 8];
-            byte = x % 8 == 0 ? bits[0] & 15 : static_cast<std::uint8_t>(byte | bits[0] << 4);
-        } else {
-            std::memcpy(inside_bits + x / 8, bits, kLanes / 8);
-        }
+        const VF bit = hn::BitCast(f, hn::Set(hn::RebindToSigned<F>(), kInsideBit));
+        const VF flag = hn::IfThenElseZero(inside, bit);
+        hn::StoreU(hn::IfVecThenElse(bit, flag, result), f, out + x);
     }
-}
-
-// The bits of kLanes vertices from x on, a multiple of kLanes.
-HWY_INLINE hn::Mask<F> inside_at(const std::uint8_t* bits, std::size_t x) {
-    std::uint8_t padded[8] = {};
-    if constexpr (kLanes == 4)
-        padded[0] = static_cast<std::uint8_t>(bits[x / 8] >> (x % 8));
-    else
-        std::memcpy(padded, bits + x / 8, kLanes / 8);
-    return hn::LoadMaskBits(F(), padded);
 }
 
 #endif

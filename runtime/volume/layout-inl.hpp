@@ -21,6 +21,10 @@ using F = hn::CappedTag<float, 16>;
 using VF = hn::Vec<F>;
 constexpr std::size_t kLanes = hn::MaxLanes(F());
 
+// While they are swept, distances are in units of Grid::h(). The sign marks frozen vertices, the last bit of
+// the mantissa those inside.
+constexpr std::int32_t kInsideBit = 1;
+
 // Slices that a kernel works on at once, one step apart, to hide the latency of its chain.
 constexpr std::size_t kSlices = 4;
 
@@ -127,12 +131,16 @@ HWY_INLINE void skew_rows(const Shape& shape, Skew skew, const float* HWY_RESTRI
     }
 }
 
-// Back to rows. vector(t) gives vector t. The rows' pads receive what the vectors' unused lanes hold.
+// Back to rows. vector(t) gives vector t. The rows' pads receive what the vectors' unused lanes hold. With
+// `spare`, the spare vectors on either side too.
 template<class Vector>
-HWY_INLINE void unskew_rows(const Shape& shape, Skew skew, const Vector& vector, float* HWY_RESTRICT rows) {
+HWY_INLINE void unskew_rows(const Shape& shape, Skew skew, const Vector& vector, float* HWY_RESTRICT rows,
+                            bool spare = false) {
+    static_assert(kSlices == 4);
     const RowSteps steps(shape, skew);
-    float* to = rows + steps.first;
-    for (std::size_t t = 0; t < 4 * shape.blocks; t += 4, to += 4) {
+    const std::ptrdiff_t first = spare ? -4 : 0, end = static_cast<std::ptrdiff_t>(4 * shape.blocks) - first;
+    float* to = rows + steps.first + first;
+    for (std::ptrdiff_t t = first; t < end; t += 4, to += 4) {
         VF a = vector(t), b = vector(t + 1), c = vector(t + 2), d = vector(t + 3);
         transpose(a, b, c, d);
         store_quads(F(), a, to, 4 * steps.step);

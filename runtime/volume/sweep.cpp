@@ -35,24 +35,21 @@ class DistanceSweeps {
           load_row_(load_row_of(job.samples.type)),
           slabs_((job.grid.nz + kSlices - 1) / kSlices),
           parallel_(job.context->hooks.parallel_for != nullptr && slabs_ > 1),
-          ring_(parallel_ ? std::min<std::size_t>(slabs_, kStages) : 1),
-          bits_stride_((job.grid.nx + 15) / 16 * 2) {
+          ring_(parallel_ ? std::min<std::size_t>(slabs_, kStages) : 1) {
         const std::size_t slab = shape_.slab_floats(), layer = shape_.slice_stride * kLanes;
         const bool light = job.carried != Carried::kNone;
         dfield_context* const context = job.context;
         distance_ = Buffer<float>(context, ring_ * slab, -kFar);
         below_ = Buffer<float>(context, 4 * layer);
         border_ = Buffer<float>(context, 4 * kSlices * row());
-        rows_ = Buffer<float>(context, workers() * 2 * kLanes * shape_.row_stride, -kFar);
+        rows_ = Buffer<float>(context, workers() * row_sets() * kLanes * shape_.row_stride, -kFar);
         samples_ = Buffer<float>(context, workers() * kSampleRows * row());
-        inside_ = Buffer<std::uint8_t>(context, bits_stride_ * grid_.ny * grid_.nz);
         if (light) {
-            tau_ = Buffer<float>(context, ring_ * slab, 0);
             light_below_ = Buffer<float>(context, 4 * layer);
             light_border_ = Buffer<float>(context, 4 * kSlices * row());
         }
         if (job.carried == Carried::kOctants)
-            visibility_ = Buffer<std::uint8_t>(context, 4 * ring_ * slab, 0);
+            visibility_ = Buffer<std::uint32_t>(context, 4 * ring_ * layer, 0);
         if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, ring_ * slab, 0);
     }
 
@@ -81,6 +78,7 @@ class DistanceSweeps {
         return stage == kLoad ? 0 : stage == kTurn ? kSlices : 2 * kSlices;
     }
     std::size_t workers() const { return parallel_ ? 3 * kSlices : 1; }
+    std::size_t row_sets() const { return job_.carried == Carried::kOctants ? 4 : 1; }
     std::size_t row() const { return Shape::row_size(grid_.nx); }
 
     void run_pipeline() {
@@ -118,28 +116,27 @@ class DistanceSweeps {
         }
     }
 
+    static Skew skew_of(std::size_t octant) {
+        return kSweeps[octant].x == kSweeps[octant].y ? Skew::kFalling : Skew::kRising;
+    }
     // The slice that part `part` of a slab is in this pass, or nz where there is none.
     std::size_t slice_of(std::size_t slab, std::size_t part) const {
         const std::size_t k = slab * kSlices + part;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
     std::size_t offset_of(std::size_t slab) const { return slab % ring_ * shape_.slab_floats(); }
-    // Row buffers of a task: x = 0 of the first row. `second`: for what goes with the distances.
-    float* rows_of(std::size_t stage, std::size_t part, bool second = false) const {
+    // Row buffers of a task: x = 0 of the first row of a set.
+    float* rows_of(std::size_t stage, std::size_t part, std::size_t set = 0) const {
         const std::size_t worker = parallel_ ? first_worker(stage) + part : 0;
-        return rows_ + (2 * worker + second) * kLanes * shape_.row_stride + Shape::kPad;
+        return rows_ + (row_sets() * worker + set) * kLanes * shape_.row_stride + Shape::kPad;
     }
     float* sample_rows(std::size_t part) const {
         return samples_ + (parallel_ ? part : 0) * kSampleRows * row() + Shape::kPad;
-    }
-    std::uint8_t* bits_of(std::size_t y, std::size_t z) const {
-        return inside_ + (y + grid_.ny * z) * bits_stride_;
     }
 
     void load(std::size_t slab, std::size_t part) {
         const std::size_t z = slice_of(slab, part);
         float* const rows = rows_of(kLoad, part);
-        float* const tau_rows = rows_of(kLoad, part, true);
         for (std::size_t group = 0; group < shape_.groups; ++group) {
             for (std::size_t l = 0; l < kLanes; ++l) {
                 const std::size_t y = group * kLanes + l;
@@ -152,17 +149,15 @@ class DistanceSweeps {
                     std::copy_n(job_.distance + grid_.index(0, y, z), grid_.nx, row);
                 else
                     initialise(y, z, sample_rows(part), row);
-                if (tau_) transmittance(bits_of(y, z), row, tau_rows + l * shape_.row_stride);
             }
             clear_pads(rows);  // the last vectors of rows went beyond them
             const std::size_t at = offset_of(slab) + shape_.at(part, group);
             skew_rows(shape_, Skew::kFalling, rows, distance_ + at);
-            if (tau_) skew_rows(shape_, Skew::kFalling, tau_rows, tau_ + at);
             if (sum_) std::fill_n(sum_ + at, 4 * shape_.blocks * kLanes, 0.0f);
         }
     }
 
-    // A row of the initial field and its inside bits. Row y of the slice is kept at y % 3 among the sample
+    // A row of the initial field. Row y of the slice is kept at y % 3 among the sample
     // rows.
     void initialise(std::size_t y, std::size_t z, float* samples, float* row_out) {
         const auto read = [&](std::size_t row_y, std::size_t row_z, float* to) {
@@ -189,40 +184,27 @@ class DistanceSweeps {
             read(y, z + 1, samples + 4 * row());
             stencil.above_z = samples + 4 * row();
         }
-        initialise_row(grid_, stencil, row_out, bits_of(y, z));
-    }
-
-    // Equations 7 and 8, divided by the three of equation 6.
-    void transmittance(const std::uint8_t* bits, const float* row, float* out) const {
-        const F f;
-        const VF one = hn::Set(f, 1.0f), half = hn::Set(f, 0.5f);
-        const VF alpha = hn::Set(f, job_.alpha), third = hn::Set(f, 1.0f / 3);
-        for (std::size_t x = 0; x < grid_.nx; x += kLanes) {
-            const VF d = hn::Abs(hn::LoadU(f, row + x));
-            const VF shifted = hn::Add(hn::IfThenElse(inside_at(bits, x), hn::Neg(d), d), half);
-            const VF tau = hn::Min(hn::Max(shifted, hn::Zero(f)), one);
-            hn::StoreU(hn::Mul(third, hn::NegMulAdd(hn::Sub(one, tau), alpha, one)), f, out + x);
-        }
+        initialise_row(grid_, stencil, row_out);
     }
 
     template<class Solver>
     void sweep(std::size_t slab, std::size_t index) {
         const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
-        const Sweep direction = kSweeps[octant];
-        if (job_.carried == Carried::kOctants)
-            return sweep_rows<Carried::kOctants, Solver>(slab, index, direction);
+        if (job_.carried == Carried::kOctants) return sweep_rows<Carried::kOctants, Solver>(slab, index);
         if (job_.carried == Carried::kCombined && job_.intensities[octant] != 0)
-            return sweep_rows<Carried::kCombined, Solver>(slab, index, direction);
-        return sweep_rows<Carried::kNone, Solver>(slab, index, direction);
+            return sweep_rows<Carried::kCombined, Solver>(slab, index);
+        return sweep_rows<Carried::kNone, Solver>(slab, index);
     }
 
     template<Carried kCarried, class Solver>
-    void sweep_rows(std::size_t slab, std::size_t index, const Sweep& direction) {
+    void sweep_rows(std::size_t slab, std::size_t index) {
+        const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
+        const Sweep& direction = kSweeps[octant];
         const Solver solver(grid_);
         GroupSweep s;
         s.vectors = static_cast<std::ptrdiff_t>(shape_.vectors);
         s.ascending = direction.x > 0;
-        s.falling = direction.x == direction.y;
+        s.falling = skew_of(octant) == Skew::kFalling;
         s.slice_stride = static_cast<std::ptrdiff_t>(shape_.slice_stride * kLanes);
         s.border_stride = static_cast<std::ptrdiff_t>(row());
         s.border = border_ + index * kSlices * row() + Shape::kPad;
@@ -231,7 +213,7 @@ class DistanceSweeps {
         if constexpr (kCarried != Carried::kNone) {
             s.light_border = light_border_ + index * kSlices * row() + Shape::kPad;
             std::fill_n(s.light_border - Shape::kPad, kSlices * row(), 1.0f);
-            s.intensity = job_.intensities[kSweepOrder[(down_ ? 4 : 0) + index]];
+            s.intensity = job_.intensities[octant];
         }
         const bool upward = direction.y > 0;
         for (std::size_t i = 0; i < shape_.groups; ++i) {
@@ -242,11 +224,12 @@ class DistanceSweeps {
             s.distance = distance_ + at;
             s.below = below_ + layer;
             if constexpr (kCarried != Carried::kNone) {
-                s.tau = tau_ + at;
+                s.alpha = job_.alpha;
                 s.light_below = light_below_ + layer;
             }
             if constexpr (kCarried == Carried::kOctants)
-                s.visibility = visibility_ + index * ring_ * shape_.slab_floats() + at;
+                s.visibility = visibility_ + index * ring_ * shape_.slice_stride * kLanes +
+                               offset_of(slab) / kSlices + shape_.at(0, group);
             if constexpr (kCarried == Carried::kCombined) s.sum = sum_ + at;
             if (upward)
                 sweep_group<true, kCarried>(s, solver);
@@ -262,19 +245,23 @@ class DistanceSweeps {
         const auto turn_one = [&](float* vectors) {
             unskew_rows(
                 shape_, Skew::kFalling,
-                [&](std::size_t t) HWY_ATTR { return hn::Load(F(), vectors + t * kLanes); }, rows);
+                [&](std::ptrdiff_t t)
+                    HWY_ATTR { return hn::Load(F(), vectors + t * static_cast<std::ptrdiff_t>(kLanes)); },
+                rows);
             skew_rows(shape_, Skew::kRising, rows, vectors);
         };
         for (std::size_t group = 0; group < shape_.groups; ++group) {
             const std::size_t at = offset_of(slab) + shape_.at(part, group);
             clear_pads(rows);
             turn_one(distance_ + at);
-            if (tau_) turn_one(tau_ + at);
             if (sum_) turn_one(sum_ + at);
         }
     }
 
     void store(std::size_t slab, std::size_t part) {
+        if (visibility_)
+            for (std::size_t group = part; group < shape_.groups; group += kSlices)
+                store_octants(slab, group, part);
         const std::size_t z = slice_of(slab, part);
         if (z == grid_.nz) return;
         float* const rows = rows_of(kStore, part);
@@ -282,18 +269,19 @@ class DistanceSweeps {
             const std::size_t at = offset_of(slab) + shape_.at(part, group);
             const std::size_t count = std::min(kLanes, grid_.ny - group * kLanes);
             const auto vector_of = [](const float* vectors) {
-                return [vectors](std::size_t t) HWY_ATTR { return hn::Load(F(), vectors + t * kLanes); };
+                return [vectors](std::ptrdiff_t t) HWY_ATTR {
+                    return hn::Load(F(), vectors + t * static_cast<std::ptrdiff_t>(kLanes));
+                };
             };
             unskew_rows(shape_, Skew::kRising, vector_of(distance_ + at), rows);
             for (std::size_t l = 0; l < count; ++l) {
                 const std::size_t y = group * kLanes + l;
                 float* const out = job_.distance + grid_.index(0, y, z);
                 if (down_)
-                    finish_row(bits_of(y, z), rows + l * shape_.row_stride, out);
+                    finish_row(rows + l * shape_.row_stride, out);
                 else
                     std::copy_n(rows + l * shape_.row_stride, grid_.nx, out);
             }
-            if (visibility_) store_octants(at, group * kLanes, z, count, part);
             if (sum_) {
                 unskew_rows(shape_, Skew::kRising, vector_of(sum_ + at), rows);
                 for (std::size_t l = 0; l < count; ++l) {
@@ -306,14 +294,17 @@ class DistanceSweeps {
     }
 
     // Sign, unit and cut-off.
-    void finish_row(const std::uint8_t* bits, const float* row, float* out) const {
+    void finish_row(const float* row, float* out) const {
         const F f;
         const VF h = hn::Set(f, grid_.h()), far = hn::Set(f, kFar), band = hn::Set(f, job_.band);
         const VF none = hn::Set(f, std::numeric_limits<float>::infinity());
+        const hn::RebindToSigned<F> i32;
+        const VF bit = hn::BitCast(f, hn::Set(i32, kInsideBit));
         const auto finish = [&](std::size_t x) HWY_ATTR {
-            const VF units = hn::Abs(hn::LoadU(f, row + x));
+            const VF swept = hn::LoadU(f, row + x), units = hn::AndNot(bit, hn::Abs(swept));
+            const VF sign = hn::BitCast(f, hn::ShiftLeft<31>(hn::BitCast(i32, swept)));
             const VF d = hn::Min(hn::IfThenElse(hn::Ge(units, far), none, hn::Mul(units, h)), band);
-            return hn::IfThenElse(inside_at(bits, x), hn::Neg(d), d);
+            return hn::Or(d, sign);
         };
         std::size_t x = 0;
         for (; x + kLanes <= grid_.nx; x += kLanes) hn::StoreU(finish(x), f, out + x);
@@ -324,45 +315,75 @@ class DistanceSweeps {
         }
     }
 
-    // The four octants of this pass as one word a voxel.
-    void store_octants(std::size_t at, std::size_t y, std::size_t z, std::size_t count, std::size_t part) {
+    // The four octants of this pass as one word a voxel, from words of four slices.
+    void store_octants(std::size_t slab, std::size_t group, std::size_t part) {
         const F f;
         const hn::RebindToUnsigned<F> u32;
-        const hn::Rebind<std::uint8_t, F> u8;
-        float* const falling = rows_of(kStore, part);
-        float* const rising = rows_of(kStore, part, true);
-        const std::size_t field = ring_ * shape_.slab_floats();
-        const auto pair = [&](std::size_t index) {
-            const std::uint8_t* const a = visibility_ + index * field + at;
-            const std::uint8_t* const b = a + field;
-            const auto shift_a = static_cast<int>(kSweepOrder[index] * 8);
-            const auto shift_b = static_cast<int>(kSweepOrder[index + 1] * 8);
-            return [=](std::size_t t) HWY_ATTR {
-                const auto va = hn::PromoteTo(u32, hn::LoadU(u8, a + t * kLanes));
-                const auto vb = hn::PromoteTo(u32, hn::LoadU(u8, b + t * kLanes));
-                return hn::BitCast(f, hn::Or(hn::ShiftLeftSame(va, shift_a), hn::ShiftLeftSame(vb, shift_b)));
-            };
-        };
-        unskew_rows(shape_, Skew::kFalling, pair(0), falling);
-        unskew_rows(shape_, Skew::kRising, pair(2), rising);
+        const std::size_t at = offset_of(slab) / kSlices + shape_.at(0, group);
+        const std::size_t field = ring_ * shape_.slice_stride * kLanes;
+        std::array<const float*, 4> rows;
+        std::array<std::size_t, 4> channel;
+        std::array<std::ptrdiff_t, 4> lag;  // in x, of a slice against the one before
+        for (std::size_t index = 0; index < 4; ++index) {
+            const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
+            const std::uint32_t* const words = visibility_ + index * field + at;
+            float* const to = rows_of(kStore, part, index);
+            unskew_rows(
+                shape_, skew_of(octant),
+                [&](std::ptrdiff_t t) HWY_ATTR {
+                    return hn::BitCast(f, hn::Load(u32, words + t * static_cast<std::ptrdiff_t>(kLanes)));
+                },
+                to, true);
+            rows[index] = to;
+            channel[index] = octant % 4;
+            lag[index] = kSweeps[octant].x;
+        }
         std::uint8_t* const volume = job_.octants + (down_ ? 4 * grid_.size() : 0);
-        for (std::size_t l = 0; l < count; ++l) {
-            const float* const a = falling + l * shape_.row_stride;
-            const float* const b = rising + l * shape_.row_stride;
-            std::uint8_t* const out = volume + 4 * grid_.index(0, y + l, z);
-            const auto merged = [&](std::size_t x) HWY_ATTR {
-                return hn::Or(hn::BitCast(u32, hn::LoadU(f, a + x)), hn::BitCast(u32, hn::LoadU(f, b + x)));
-            };
-            const hn::Repartition<std::uint8_t, F> bytes;
-            std::size_t x = 0;
-            for (; x + kLanes <= grid_.nx; x += kLanes)
-                hn::StoreU(hn::BitCast(bytes, merged(x)), bytes, out + 4 * x);
-            if (x < grid_.nx) {
-                HWY_ALIGN std::uint8_t last[4 * kLanes];
-                hn::Store(hn::BitCast(bytes, merged(x)), bytes, last);
-                std::copy_n(last, 4 * (grid_.nx - x), out + 4 * x);
+        const std::size_t count = std::min(kLanes, grid_.ny - group * kLanes);
+        for (std::size_t slice = 0; slice < kSlices; ++slice) {
+            const std::size_t z = slice_of(slab, slice);
+            if (z == grid_.nz) break;
+            for (std::size_t l = 0; l < count; ++l) {
+                std::array<const std::uint32_t*, 4> from;  // by channel
+                for (std::size_t index = 0; index < 4; ++index)
+                    from[channel[index]] = reinterpret_cast<const std::uint32_t*>(
+                        rows[index] + l * shape_.row_stride +
+                        lag[index] * static_cast<std::ptrdiff_t>(slice));
+                const auto merged = [&](std::size_t x) HWY_ATTR {
+                    auto word = hn::Zero(u32);
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        const auto mask = hn::Set(u32, 0xffu << 8 * c);
+                        auto v = hn::LoadU(u32, from[c] + x);
+                        v = c > slice ? hn::ShiftLeftSame(v, static_cast<int>(8 * (c - slice)))
+                                      : hn::ShiftRightSame(v, static_cast<int>(8 * (slice - c)));
+                        word = hn::OrAnd(word, v, mask);
+                    }
+                    return word;
+                };
+                stream_words(grid_.nx, merged, volume + 4 * grid_.index(0, group * kLanes + l, z));
             }
         }
+    }
+
+    // Writes word(x), vectors of four bytes a voxel, past the cache: nobody reads them soon.
+    template<class Word>
+    static HWY_INLINE void stream_words(std::size_t n, const Word& word, std::uint8_t* out) {
+        const hn::Repartition<std::uint8_t, F> bytes;
+        constexpr std::size_t kBytes = 4 * kLanes;
+        const auto some = [&](std::size_t x, std::size_t count) HWY_ATTR {
+            HWY_ALIGN std::uint8_t words[kBytes];
+            hn::Store(hn::BitCast(bytes, word(x)), bytes, words);
+            std::copy_n(words, 4 * count, out + 4 * x);
+        };
+        // The rows of a dense volume begin anywhere; vectors are streamed from the first cache line on.
+        const std::size_t misaligned = reinterpret_cast<std::uintptr_t>(out) % kBytes;
+        std::size_t x = 0;
+        if (misaligned % 4 == 0) {
+            x = std::min(n, misaligned == 0 ? 0 : (kBytes - misaligned) / 4);
+            if (x > 0) some(0, x);
+            for (; x + kLanes <= n; x += kLanes) hn::Stream(hn::BitCast(bytes, word(x)), bytes, out + 4 * x);
+        }
+        for (; x < n; x += kLanes) some(x, std::min(kLanes, n - x));
     }
 
     void clear_pads(float* rows) const {
@@ -380,11 +401,10 @@ class DistanceSweeps {
     const std::size_t slabs_;
     const bool parallel_;
     const std::size_t ring_;  // slabs in flight
-    const std::size_t bits_stride_;
     bool down_ = false;
     std::atomic<bool> finite_{true};
-    Buffer<float> distance_, below_, border_, rows_, samples_, tau_, light_below_, light_border_, sum_;
-    Buffer<std::uint8_t> inside_, visibility_;
+    Buffer<float> distance_, below_, border_, rows_, samples_, light_below_, light_border_, sum_;
+    Buffer<std::uint32_t> visibility_;
 };
 
 SweepResult sweep_distance(const DistanceJob& job) {
