@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "volume/layout-inl.hpp"
+#include "volume/octant_words-inl.hpp"
 #include "volume/sweep.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -86,22 +87,19 @@ struct GroupSweep {
     float* border = nullptr;          // x = 0 of slice 0: the last row of the group before, likewise
     std::ptrdiff_t border_stride = 0;
 
-    // Visibility; all as above.
+    // (1 - V tau) / 3; all as above.
     float alpha = 1;  // equation 8
-    float* light_below = nullptr;
-    float* light_border = nullptr;
+    float* dark_below = nullptr;
+    float* dark_border = nullptr;
     // kOctants: a word a vertex of slice 0. Byte p belongs to slice p, which lags: to its vertex p vectors
     // before.
     std::uint32_t* visibility = nullptr;
     float* sum = nullptr;  // kCombined: intensity * V is added
     float intensity = 1;
-    std::size_t nx = 0, rows = 0;  // rows of the group that exist
-    bool falling = true;           // the layout
 };
 
 using I32 = hn::RebindToSigned<F>;
 using VI = hn::Vec<I32>;
-using U32 = hn::RebindToUnsigned<F>;
 
 // Lane l of a vector of rows follows lane l - 1 (upward) or l + 1; the lane that comes from another group is
 // filled in.
@@ -127,17 +125,19 @@ class RowOrder {
     hn::Mask<F> entering;
 };
 
-// Equations 7 and 8 of a vertex's distance as sweeps have it, and a weight of equation 6.
+// Equations 7 and 8 of a vertex's distance as sweeps have it, times a weight: 1 - (1 - tau) alpha with
+// tau = D / h + shift within [0, 1].
 struct Transmittance {
     VF slope, at_zero, darkest, brightest;
-    HWY_INLINE Transmittance(float alpha, float weight)
+    HWY_INLINE Transmittance(float alpha, float shift, float weight)
         : slope(hn::Set(F(), weight * alpha)),
-          at_zero(hn::Set(F(), weight * (1 - alpha / 2))),
+          at_zero(hn::Set(F(), weight * (1 - (1 - shift) * alpha))),
           darkest(hn::Set(F(), weight * (1 - alpha))),
           brightest(hn::Set(F(), weight)) {}
     HWY_INLINE VF operator()(VF distance) const {
         const VF sign = hn::BitCast(F(), hn::ShiftLeft<31>(hn::BitCast(I32(), distance)));
-        return hn::Min(hn::Max(hn::MulAdd(hn::Xor(distance, sign), slope, at_zero), darkest), brightest);
+        const VF tau = hn::MulAdd(hn::Xor(distance, sign), slope, at_zero);
+        return hn::Min(hn::Max(tau, darkest), brightest);
     }
 };
 
@@ -153,37 +153,25 @@ class GroupKernel {
           start_(sweep.ascending ? 0 : sweep.vectors - 1),
           enters_(sweep.ascending ? 0 : kN - 1),
           leaves_(kN - 1 - enters_ + direction_),
-          tau_(sweep.alpha, 1.0f / 3),
-          scale_(hn::Set(F(), kCarried == Carried::kOctants ? 255.0f / 3 : sweep.intensity / 3)),
-          inside_bit_(hn::BitCast(F(), hn::Set(I32(), kInsideBit))),
-          visibility_(hn::Zero(U32())) {
+          tau_(sweep.alpha, 0.5f, 1.0f / 3),
+          scale_(hn::Set(F(), kCarried == Carried::kOctants ? 255.0f : sweep.intensity)),
+          inside_bit_(hn::BitCast(F(), hn::Set(I32(), kInsideBit))) {
         for (std::size_t p = 0; p < kSlices; ++p) {
             d_[p] = hn::Set(F(), kFar);
-            light_[p] = hn::Set(F(), 1.0f);
+            dark_[p] = hn::Zero(F());
         }
     }
 
     HWY_INLINE void run() {
         const std::ptrdiff_t end =
             s_.vectors + kS;  // one more step than slices lag: the last border is stored
-        if constexpr (kCarried == Carried::kNone) {
-            for (std::ptrdiff_t i = 0; i < end; ++i) step<false>(i);
-        } else {
-            // All lanes of all slices lie within the grid from vector kN - 1 to nx - 1.
-            const std::ptrdiff_t width = static_cast<std::ptrdiff_t>(s_.nx);
-            const bool whole = s_.rows == kLanes && width > kN + kS;
-            const std::ptrdiff_t first = whole ? kN - 1 + kS - 1 : end, last = whole ? width : end;
-            for (std::ptrdiff_t i = 0; i < first; ++i) step<true>(i);
-            for (std::ptrdiff_t i = first; i < last; ++i) step<false>(i);
-            for (std::ptrdiff_t i = last; i < end; ++i) step<true>(i);
-        }
+        for (std::ptrdiff_t i = 0; i < end; ++i) step(i);
     }
 
   private:
     static constexpr std::ptrdiff_t kN = kLanes, kS = kSlices;
 
     // Vector i of the first slice, i - 1 of the second, ...
-    template<bool kEdge>
     HWY_INLINE void step(std::ptrdiff_t i) {
 #pragma GCC unroll 4
         for (std::ptrdiff_t p = kS - 1; p >= 0; --p) {
@@ -200,43 +188,27 @@ class GroupKernel {
             hn::Store(result, f, at);
             d_[p] = hn::Abs(result);
             if (p == kS - 1) hn::Store(d_[p], f, s_.below + t * kN);
-            if constexpr (kCarried != Carried::kNone) carry<kEdge>(p, t, voxel, border);
+            if constexpr (kCarried != Carried::kNone) carry(p, t, voxel, border);
         }
     }
 
-    template<bool kEdge>
+    // Equation 6 for 1 - V, which is 0 outside the grid: what vertices there are given, and pass on, without
+    // a mask.
     HWY_INLINE void carry(std::ptrdiff_t p, std::ptrdiff_t t, std::ptrdiff_t voxel, std::ptrdiff_t border) {
         const F f;
-        const VF ly = order_.previous_row(light_[p], s_.light_border + border - leaves_,
-                                          s_.light_border + border - enters_);
-        const VF lz = p > 0 ? light_[p > 0 ? p - 1 : 0] : hn::Load(f, s_.light_below + t * kN);
-        const VF sum = hn::Add(hn::Add(light_[p], ly), lz);  // equation 6 but for the third
-        light_[p] = hn::Mul(sum, tau_(d_[p]));
-        if constexpr (kEdge) light_[p] = hn::IfThenElse(exists(t), light_[p], hn::Set(f, 1.0f));
-        if (p == kS - 1) hn::Store(light_[p], f, s_.light_below + t * kN);
+        const VF y = order_.previous_row(dark_[p], s_.dark_border + border - leaves_,
+                                         s_.dark_border + border - enters_);
+        const VF z = p > 0 ? dark_[p > 0 ? p - 1 : 0] : hn::Load(f, s_.dark_below + t * kN);
+        const VF v = hn::Sub(hn::Sub(hn::Sub(hn::Set(f, 1.0f), dark_[p]), y), z);
+        dark_[p] = hn::NegMulAdd(v, tau_(d_[p]), hn::Set(f, 1.0f / 3));
+        if (p == kS - 1) hn::Store(dark_[p], f, s_.dark_below + t * kN);
         if constexpr (kCarried == Carried::kOctants) {
-            // Added to 2^23, a number's nearest integer is what its last bits say.
-            const auto rounded = hn::BitCast(U32(), hn::MulAdd(sum, scale_, hn::Set(f, 0x1p23f)));
-            // From the last slice on, each shifts those after it up by a byte.
-            visibility_ =
-                p == kS - 1 ? rounded
-                            : hn::IfVecThenElse(hn::Set(U32(), 0xff), rounded, hn::ShiftLeft<8>(visibility_));
-            if (p == 0) hn::Store(visibility_, U32(), s_.visibility + t * kN);
+            bytes_.push(v, scale_);
+            if (p == 0) hn::Store(bytes_.word, U32(), s_.visibility + t * kN);
         } else {
             float* const total = s_.sum + voxel;
-            hn::Store(hn::MulAdd(sum, scale_, hn::Load(f, total)), f, total);
+            hn::Store(hn::MulAdd(v, scale_, hn::Load(f, total)), f, total);
         }
-    }
-
-    // The lanes of vector t within the grid; V = 1 in the others.
-    HWY_INLINE hn::Mask<F> exists(std::ptrdiff_t t) const {
-        const I32 i32;
-        const VI lane = hn::Iota(i32, 0), offset = s_.falling ? lane : hn::Sub(hn::Set(i32, kN - 1), lane);
-        const VI x = hn::Sub(hn::Set(i32, static_cast<std::int32_t>(t)), offset);
-        const auto in_x =
-            hn::And(hn::Gt(x, hn::Set(i32, -1)), hn::Lt(x, hn::Set(i32, static_cast<std::int32_t>(s_.nx))));
-        return hn::RebindMask(F(),
-                              hn::And(in_x, hn::Lt(lane, hn::Set(i32, static_cast<std::int32_t>(s_.rows)))));
     }
 
     const GroupSweep s_;
@@ -247,8 +219,8 @@ class GroupKernel {
     const std::ptrdiff_t enters_, leaves_;
     const Transmittance tau_;
     const VF scale_, inside_bit_;
-    VF d_[kSlices], light_[kSlices];
-    hn::Vec<U32> visibility_;
+    VF d_[kSlices], dark_[kSlices];
+    SliceBytes bytes_;
 };
 
 template<bool kUpward, Carried kCarried, class Solver>

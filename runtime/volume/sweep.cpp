@@ -17,13 +17,15 @@
 #include "volume/distance_kernel-inl.hpp"
 #include "volume/initialise-inl.hpp"
 #include "volume/layout-inl.hpp"
+#include "volume/octant_words-inl.hpp"
+#include "volume/pipeline.hpp"
 #include "volume/sweep.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::volume::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// What happens to a slab in a pass, in this order. A step of the pipeline does stage i to slab k - i.
+// What happens to a slab in a pass.
 enum Stage : std::size_t { kLoad, kSweep0, kSweep1, kTurn, kSweep2, kSweep3, kStore, kStages };
 
 class DistanceSweeps {
@@ -33,36 +35,32 @@ class DistanceSweeps {
           grid_(job.grid),
           shape_(job.grid),
           load_row_(load_row_of(job.samples.type)),
-          slabs_((job.grid.nz + kSlices - 1) / kSlices),
-          parallel_(job.context->hooks.parallel_for != nullptr && slabs_ > 1),
-          ring_(parallel_ ? std::min<std::size_t>(slabs_, kStages) : 1) {
+          pipeline_(job.context, (job.grid.nz + kSlices - 1) / kSlices,
+                    {kSlices, 1, 1, kSlices, 1, 1, kSlices}) {
         const std::size_t slab = shape_.slab_floats(), layer = shape_.slice_stride * kLanes;
         const bool light = job.carried != Carried::kNone;
         dfield_context* const context = job.context;
-        distance_ = Buffer<float>(context, ring_ * slab, -kFar);
+        distance_ = Buffer<float>(context, pipeline_.ring() * slab, -kFar);
         below_ = Buffer<float>(context, 4 * layer);
         border_ = Buffer<float>(context, 4 * kSlices * row());
         rows_ = Buffer<float>(context, workers() * row_sets() * kLanes * shape_.row_stride, -kFar);
         samples_ = Buffer<float>(context, workers() * kSampleRows * row());
         if (light) {
-            light_below_ = Buffer<float>(context, 4 * layer);
-            light_border_ = Buffer<float>(context, 4 * kSlices * row());
+            dark_below_ = Buffer<float>(context, 4 * layer);
+            dark_border_ = Buffer<float>(context, 4 * kSlices * row());
         }
         if (job.carried == Carried::kOctants)
-            visibility_ = Buffer<std::uint32_t>(context, 4 * ring_ * layer, 0);
-        if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, ring_ * slab, 0);
+            visibility_ = Buffer<std::uint32_t>(context, 4 * pipeline_.ring() * layer, 0);
+        if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, pipeline_.ring() * slab, 0);
     }
 
     SweepResult run() {
         for (down_ = false;; down_ = true) {
             std::fill_n(below_.get(), 4 * shape_.slice_stride * kLanes, kFar);
-            if (light_below_) std::fill_n(light_below_.get(), 4 * shape_.slice_stride * kLanes, 1.0f);
-            if (parallel_)
-                run_pipeline();
-            else
-                for (std::size_t slab = 0; slab < slabs_; ++slab)
-                    for (std::size_t stage = 0; stage < kStages; ++stage)
-                        for (std::size_t part = 0; part < parts(stage); ++part) run_part(stage, slab, part);
+            if (dark_below_) std::fill_n(dark_below_.get(), 4 * shape_.slice_stride * kLanes, 0.0f);
+            pipeline_.run([this](std::size_t stage, std::size_t slab, std::size_t part) {
+                run_part(stage, slab, part);
+            });
             if (!finite_.load(std::memory_order_relaxed)) return SweepResult::kNotFinite;
             if (down_) return SweepResult::kDone;
         }
@@ -71,34 +69,12 @@ class DistanceSweeps {
   private:
     static constexpr std::size_t kSampleRows = 5;  // three rows of a slice, one of each beside it
 
-    // Stages that work slice by slice are split.
-    static bool is_sweep(std::size_t stage) { return stage != kLoad && stage != kTurn && stage != kStore; }
-    static std::size_t parts(std::size_t stage) { return is_sweep(stage) ? 1 : kSlices; }
     static std::size_t first_worker(std::size_t stage) {
         return stage == kLoad ? 0 : stage == kTurn ? kSlices : 2 * kSlices;
     }
-    std::size_t workers() const { return parallel_ ? 3 * kSlices : 1; }
+    std::size_t workers() const { return pipeline_.parallel() ? 3 * kSlices : 1; }
     std::size_t row_sets() const { return job_.carried == Carried::kOctants ? 4 : 1; }
     std::size_t row() const { return Shape::row_size(grid_.nx); }
-
-    void run_pipeline() {
-        struct Part {
-            std::size_t stage, part;
-        };
-        std::array<Part, 4 + 3 * kSlices> all;
-        std::size_t count = 0;
-        for (std::size_t stage = 0; stage < kStages; ++stage)  // the long ones first
-            if (is_sweep(stage)) all[count++] = {stage, 0};
-        for (std::size_t stage = 0; stage < kStages; ++stage)
-            if (!is_sweep(stage))
-                for (std::size_t part = 0; part < kSlices; ++part) all[count++] = {stage, part};
-        for (std::size_t step = 0; step < slabs_ + kStages - 1; ++step)
-            job_.context->for_ranges(count, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    if (step >= all[i].stage && step - all[i].stage < slabs_)
-                        run_part(all[i].stage, step - all[i].stage, all[i].part);
-            });
-    }
 
     void run_part(std::size_t stage, std::size_t slab, std::size_t part) {
         switch (stage) {
@@ -116,22 +92,20 @@ class DistanceSweeps {
         }
     }
 
-    static Skew skew_of(std::size_t octant) {
-        return kSweeps[octant].x == kSweeps[octant].y ? Skew::kFalling : Skew::kRising;
-    }
+    std::size_t octant_of(std::size_t index) const { return kSweepOrder[(down_ ? 4 : 0) + index]; }
     // The slice that part `part` of a slab is in this pass, or nz where there is none.
     std::size_t slice_of(std::size_t slab, std::size_t part) const {
         const std::size_t k = slab * kSlices + part;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
-    std::size_t offset_of(std::size_t slab) const { return slab % ring_ * shape_.slab_floats(); }
+    std::size_t offset_of(std::size_t slab) const { return slab % pipeline_.ring() * shape_.slab_floats(); }
     // Row buffers of a task: x = 0 of the first row of a set.
     float* rows_of(std::size_t stage, std::size_t part, std::size_t set = 0) const {
-        const std::size_t worker = parallel_ ? first_worker(stage) + part : 0;
+        const std::size_t worker = pipeline_.parallel() ? first_worker(stage) + part : 0;
         return rows_ + (row_sets() * worker + set) * kLanes * shape_.row_stride + Shape::kPad;
     }
     float* sample_rows(std::size_t part) const {
-        return samples_ + (parallel_ ? part : 0) * kSampleRows * row() + Shape::kPad;
+        return samples_ + (pipeline_.parallel() ? part : 0) * kSampleRows * row() + Shape::kPad;
     }
 
     void load(std::size_t slab, std::size_t part) {
@@ -189,7 +163,7 @@ class DistanceSweeps {
 
     template<class Solver>
     void sweep(std::size_t slab, std::size_t index) {
-        const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
+        const std::size_t octant = octant_of(index);
         if (job_.carried == Carried::kOctants) return sweep_rows<Carried::kOctants, Solver>(slab, index);
         if (job_.carried == Carried::kCombined && job_.intensities[octant] != 0)
             return sweep_rows<Carried::kCombined, Solver>(slab, index);
@@ -198,21 +172,19 @@ class DistanceSweeps {
 
     template<Carried kCarried, class Solver>
     void sweep_rows(std::size_t slab, std::size_t index) {
-        const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
+        const std::size_t octant = octant_of(index);
         const Sweep& direction = kSweeps[octant];
         const Solver solver(grid_);
         GroupSweep s;
         s.vectors = static_cast<std::ptrdiff_t>(shape_.vectors);
         s.ascending = direction.x > 0;
-        s.falling = skew_of(octant) == Skew::kFalling;
         s.slice_stride = static_cast<std::ptrdiff_t>(shape_.slice_stride * kLanes);
         s.border_stride = static_cast<std::ptrdiff_t>(row());
         s.border = border_ + index * kSlices * row() + Shape::kPad;
-        s.nx = grid_.nx;
         std::fill_n(s.border - Shape::kPad, kSlices * row(), kFar);
         if constexpr (kCarried != Carried::kNone) {
-            s.light_border = light_border_ + index * kSlices * row() + Shape::kPad;
-            std::fill_n(s.light_border - Shape::kPad, kSlices * row(), 1.0f);
+            s.dark_border = dark_border_ + index * kSlices * row() + Shape::kPad;
+            std::fill_n(s.dark_border - Shape::kPad, kSlices * row(), 0.0f);
             s.intensity = job_.intensities[octant];
         }
         const bool upward = direction.y > 0;
@@ -220,16 +192,13 @@ class DistanceSweeps {
             const std::size_t group = upward ? i : shape_.groups - 1 - i;
             const std::size_t at = offset_of(slab) + shape_.at(0, group);
             const std::size_t layer = index * shape_.slice_stride * kLanes + shape_.at(0, group);
-            s.rows = std::min(kLanes, grid_.ny - group * kLanes);
             s.distance = distance_ + at;
             s.below = below_ + layer;
             if constexpr (kCarried != Carried::kNone) {
                 s.alpha = job_.alpha;
-                s.light_below = light_below_ + layer;
+                s.dark_below = dark_below_ + layer;
             }
-            if constexpr (kCarried == Carried::kOctants)
-                s.visibility = visibility_ + index * ring_ * shape_.slice_stride * kLanes +
-                               offset_of(slab) / kSlices + shape_.at(0, group);
+            if constexpr (kCarried == Carried::kOctants) s.visibility = words_of(slab, group, index);
             if constexpr (kCarried == Carried::kCombined) s.sum = sum_ + at;
             if (upward)
                 sweep_group<true, kCarried>(s, solver);
@@ -261,7 +230,7 @@ class DistanceSweeps {
     void store(std::size_t slab, std::size_t part) {
         if (visibility_)
             for (std::size_t group = part; group < shape_.groups; group += kSlices)
-                store_octants(slab, group, part);
+                store_group(slab, group, part);
         const std::size_t z = slice_of(slab, part);
         if (z == grid_.nz) return;
         float* const rows = rows_of(kStore, part);
@@ -293,6 +262,23 @@ class DistanceSweeps {
         }
     }
 
+    void store_group(std::size_t slab, std::size_t group, std::size_t part) const {
+        OctantWords from{};
+        from.group = group;
+        for (std::size_t i = 0; i < 4; ++i) {
+            from.octants[i] = octant_of(i);
+            from.words[i] = words_of(slab, group, i);
+            from.slices[i] = slice_of(slab, i);
+        }
+        store_octants(grid_, shape_, from, rows_of(kStore, part), job_.octants);
+    }
+    // Vector 0 of an octant's words.
+    std::uint32_t* words_of(std::size_t slab, std::size_t group, std::size_t index) const {
+        const std::size_t layer = shape_.slice_stride * kLanes;
+        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * layer +
+               shape_.at(0, group);
+    }
+
     // Sign, unit and cut-off.
     void finish_row(const float* row, float* out) const {
         const F f;
@@ -315,77 +301,6 @@ class DistanceSweeps {
         }
     }
 
-    // The four octants of this pass as one word a voxel, from words of four slices.
-    void store_octants(std::size_t slab, std::size_t group, std::size_t part) {
-        const F f;
-        const hn::RebindToUnsigned<F> u32;
-        const std::size_t at = offset_of(slab) / kSlices + shape_.at(0, group);
-        const std::size_t field = ring_ * shape_.slice_stride * kLanes;
-        std::array<const float*, 4> rows;
-        std::array<std::size_t, 4> channel;
-        std::array<std::ptrdiff_t, 4> lag;  // in x, of a slice against the one before
-        for (std::size_t index = 0; index < 4; ++index) {
-            const std::size_t octant = kSweepOrder[(down_ ? 4 : 0) + index];
-            const std::uint32_t* const words = visibility_ + index * field + at;
-            float* const to = rows_of(kStore, part, index);
-            unskew_rows(
-                shape_, skew_of(octant),
-                [&](std::ptrdiff_t t) HWY_ATTR {
-                    return hn::BitCast(f, hn::Load(u32, words + t * static_cast<std::ptrdiff_t>(kLanes)));
-                },
-                to, true);
-            rows[index] = to;
-            channel[index] = octant % 4;
-            lag[index] = kSweeps[octant].x;
-        }
-        std::uint8_t* const volume = job_.octants + (down_ ? 4 * grid_.size() : 0);
-        const std::size_t count = std::min(kLanes, grid_.ny - group * kLanes);
-        for (std::size_t slice = 0; slice < kSlices; ++slice) {
-            const std::size_t z = slice_of(slab, slice);
-            if (z == grid_.nz) break;
-            for (std::size_t l = 0; l < count; ++l) {
-                std::array<const std::uint32_t*, 4> from;  // by channel
-                for (std::size_t index = 0; index < 4; ++index)
-                    from[channel[index]] = reinterpret_cast<const std::uint32_t*>(
-                        rows[index] + l * shape_.row_stride +
-                        lag[index] * static_cast<std::ptrdiff_t>(slice));
-                const auto merged = [&](std::size_t x) HWY_ATTR {
-                    auto word = hn::Zero(u32);
-                    for (std::size_t c = 0; c < 4; ++c) {
-                        const auto mask = hn::Set(u32, 0xffu << 8 * c);
-                        auto v = hn::LoadU(u32, from[c] + x);
-                        v = c > slice ? hn::ShiftLeftSame(v, static_cast<int>(8 * (c - slice)))
-                                      : hn::ShiftRightSame(v, static_cast<int>(8 * (slice - c)));
-                        word = hn::OrAnd(word, v, mask);
-                    }
-                    return word;
-                };
-                stream_words(grid_.nx, merged, volume + 4 * grid_.index(0, group * kLanes + l, z));
-            }
-        }
-    }
-
-    // Writes word(x), vectors of four bytes a voxel, past the cache: nobody reads them soon.
-    template<class Word>
-    static HWY_INLINE void stream_words(std::size_t n, const Word& word, std::uint8_t* out) {
-        const hn::Repartition<std::uint8_t, F> bytes;
-        constexpr std::size_t kBytes = 4 * kLanes;
-        const auto some = [&](std::size_t x, std::size_t count) HWY_ATTR {
-            HWY_ALIGN std::uint8_t words[kBytes];
-            hn::Store(hn::BitCast(bytes, word(x)), bytes, words);
-            std::copy_n(words, 4 * count, out + 4 * x);
-        };
-        // The rows of a dense volume begin anywhere; vectors are streamed from the first cache line on.
-        const std::size_t misaligned = reinterpret_cast<std::uintptr_t>(out) % kBytes;
-        std::size_t x = 0;
-        if (misaligned % 4 == 0) {
-            x = std::min(n, misaligned == 0 ? 0 : (kBytes - misaligned) / 4);
-            if (x > 0) some(0, x);
-            for (; x + kLanes <= n; x += kLanes) hn::Stream(hn::BitCast(bytes, word(x)), bytes, out + 4 * x);
-        }
-        for (; x < n; x += kLanes) some(x, std::min(kLanes, n - x));
-    }
-
     void clear_pads(float* rows) const {
         for (std::size_t l = 0; l < kLanes; ++l) {
             float* const row = rows + l * shape_.row_stride;
@@ -398,12 +313,10 @@ class DistanceSweeps {
     const Grid grid_;
     const Shape shape_;
     LoadRow* const load_row_;
-    const std::size_t slabs_;
-    const bool parallel_;
-    const std::size_t ring_;  // slabs in flight
+    const SlabPipeline<kStages> pipeline_;
     bool down_ = false;
     std::atomic<bool> finite_{true};
-    Buffer<float> distance_, below_, border_, rows_, samples_, light_below_, light_border_, sum_;
+    Buffer<float> distance_, below_, border_, rows_, samples_, dark_below_, dark_border_, sum_;
     Buffer<std::uint32_t> visibility_;
 };
 
