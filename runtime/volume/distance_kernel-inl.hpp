@@ -11,6 +11,7 @@
 
 #include "volume/layout-inl.hpp"
 #include "volume/octant_words-inl.hpp"
+#include "volume/row_order-inl.hpp"
 #include "volume/sweep.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -96,33 +97,6 @@ struct GroupSweep {
     std::uint32_t* visibility = nullptr;
     float* sum = nullptr;  // kCombined: intensity * V is added
     float intensity = 1;
-};
-
-using I32 = hn::RebindToSigned<F>;
-using VI = hn::Vec<I32>;
-
-// Lane l of a vector of rows follows lane l - 1 (upward) or l + 1; the lane that comes from another group is
-// filled in.
-template<bool kUpward>
-class RowOrder {
-  public:
-    HWY_INLINE RowOrder()
-        : turn(hn::IndicesFromVec(F(),
-                                  hn::And(hn::Add(hn::Iota(I32(), 0), hn::Set(I32(), kUpward ? kN - 1 : 1)),
-                                          hn::Set(I32(), kN - 1)))),
-          entering(hn::RebindMask(F(), hn::Eq(hn::Iota(I32(), 0), hn::Set(I32(), kUpward ? 0 : kN - 1)))) {}
-
-    // The previous row's values, given this vector's predecessor. Its last lane leaves for the next group.
-    HWY_INLINE VF previous_row(VF last, float* leaves, const float* enters) const {
-        const VF turned = hn::TableLookupLanes(last, turn);
-        *leaves = hn::GetLane(kUpward ? turned : last);
-        return hn::IfThenElse(entering, hn::Set(F(), *enters), turned);
-    }
-
-  private:
-    static constexpr std::int32_t kN = kLanes;
-    decltype(hn::IndicesFromVec(F(), VI())) turn;
-    hn::Mask<F> entering;
 };
 
 // Equations 7 and 8 of a vertex's distance as sweeps have it, times a weight: 1 - (1 - tau) alpha with

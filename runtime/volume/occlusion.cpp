@@ -1,0 +1,275 @@
+// The improved form in the skewed layout, slab by slab as the distances are swept (sweep.cpp): up in z for
+// octants 0 to 3, down for 4 to 7.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volume/occlusion.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simd.hpp"
+#include "volume/buffer.hpp"
+#include "volume/layout-inl.hpp"
+#include "volume/occlusion.hpp"
+#include "volume/occlusion_kernel-inl.hpp"
+#include "volume/octant_words-inl.hpp"
+#include "volume/pipeline.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace dfield::runtime::volume::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+class OcclusionSweeps {
+    enum Stage : std::size_t { kLoad, kSweep0, kSweep1, kSweep2, kSweep3, kStore, kStages };
+
+  public:
+    explicit OcclusionSweeps(const OcclusionJob& job)
+        : job_(job),
+          grid_(job.grid),
+          shape_(job.grid),
+          lit_(std::any_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i != 1; })),
+          pipeline_(job.context, (job.grid.nz + kSlices - 1) / kSlices, {kSlices, 1, 1, 1, 1, kSlices}) {
+        dfield_context* const context = job.context;
+        const std::size_t slab = pipeline_.ring() * shape_.slab_floats(),
+                          layer = shape_.slice_stride * kLanes;
+        for (Buffer<std::uint32_t>& vertices : vertices_)
+            vertices = Buffer<std::uint32_t>(context, slab, kOpenVertex);
+        for (Buffer<float>& sums : sums_) sums = Buffer<float>(context, slab, 0.0f);
+        below_ = Buffer<float>(context, 4 * job.ordinates * layer);
+        border_ = Buffer<float>(context, 4 * job.ordinates * kSlices * row());
+        rows_ = Buffer<float>(context, workers() * kRowSets * kLanes * shape_.row_stride, 0.0f);
+        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * pipeline_.ring() * layer, 0);
+        swept_ = Buffer<float>(context, job.visibility ? grid_.size() : 0);
+    }
+
+    void run() {
+        for (const bool down : {false, true}) {
+            down_ = down;
+            std::fill_n(below_.get(), 4 * job_.ordinates * shape_.slice_stride * kLanes, 0.0f);
+            pipeline_.run([this](std::size_t stage, std::size_t slab, std::size_t part) {
+                if (stage == kLoad)
+                    load(slab, part);
+                else if (stage == kStore)
+                    store(slab, part);
+                else
+                    sweep(slab, stage - kSweep0);
+            });
+        }
+        if (job_.visibility)
+            move_off_surface(*job_.context, grid_, job_.distance, swept_.get(), job_.visibility);
+    }
+
+  private:
+    static constexpr std::size_t kRowSets = 4;
+
+    std::size_t workers() const { return pipeline_.parallel() ? 2 * kSlices : 1; }
+    std::size_t row() const { return Shape::row_size(grid_.nx); }
+    float* rows_of(Stage stage, std::size_t part) const {
+        const std::size_t worker = pipeline_.parallel() ? (stage == kLoad ? 0 : kSlices) + part : 0;
+        return rows_ + worker * kRowSets * kLanes * shape_.row_stride + Shape::kPad;
+    }
+    std::size_t slice_of(std::size_t slab, std::size_t part) const {
+        const std::size_t k = slab * kSlices + part;
+        return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
+    }
+    std::size_t offset_of(std::size_t slab) const { return slab % pipeline_.ring() * shape_.slab_floats(); }
+    std::size_t octant_of(std::size_t index) const { return (down_ ? 4 : 0) + index; }
+    std::uint32_t* words_of(std::size_t slab, std::size_t group, std::size_t index) const {
+        const std::size_t layer = shape_.slice_stride * kLanes;
+        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * layer +
+               shape_.at(0, group);
+    }
+
+    void load(std::size_t slab, std::size_t part) {
+        const std::size_t z = slice_of(slab, part);
+        float* const rows = rows_of(kLoad, part);
+        for (std::size_t group = 0; group < shape_.groups; ++group) {
+            for (std::size_t l = 0; l < kLanes; ++l) {
+                const std::size_t y = group * kLanes + l;
+                auto* const row = reinterpret_cast<std::uint32_t*>(rows + l * shape_.row_stride);
+                std::fill_n(row - Shape::kPad, Shape::kPad, kOpenVertex);
+                std::fill_n(row + grid_.nx, Shape::kPad, kOpenVertex);
+                if (z == grid_.nz || y >= grid_.ny)
+                    std::fill_n(row, grid_.nx, kOpenVertex);
+                else
+                    load_row(y, z, row);
+            }
+            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
+                const auto layout = static_cast<std::size_t>(skew);
+                skew_rows(shape_, skew, rows, reinterpret_cast<float*>(vertices_[layout] + at));
+                std::fill_n(sums_[layout] + at, 4 * shape_.blocks * kLanes, 0.0f);
+            }
+        }
+    }
+
+    // A row's words.
+    void load_row(std::size_t y, std::size_t z, std::uint32_t* out) const {
+        const F f;
+        const float* const here = job_.distance + grid_.index(0, y, z);
+        const std::ptrdiff_t slice = static_cast<std::ptrdiff_t>(grid_.nx * grid_.ny);
+        const std::ptrdiff_t y0 = y > 0 ? -static_cast<std::ptrdiff_t>(grid_.nx) : 0;
+        const std::ptrdiff_t y1 = y + 1 < grid_.ny ? static_cast<std::ptrdiff_t>(grid_.nx) : 0;
+        const std::ptrdiff_t z0 = z > 0 ? -slice : 0, z1 = z + 1 < grid_.nz ? slice : 0;
+        const float per_y = (y0 != 0 && y1 != 0 ? 0.5f : 1.0f) / grid_.hy;
+        const float per_z = (z0 != 0 && z1 != 0 ? 0.5f : 1.0f) / grid_.hz;
+        const auto words = [&](auto tag, std::size_t x) HWY_ATTR {
+            const hn::RebindToSigned<decltype(tag)> i32;
+            const hn::RebindToUnsigned<decltype(tag)> u32;
+            const auto load = [&](const float* p) HWY_ATTR { return hn::LoadU(tag, p + x); };
+            const std::ptrdiff_t before = x > 0 ? -1 : 0, after = x + hn::Lanes(tag) < grid_.nx ? 1 : 0;
+            const float per_x = (before != 0 && after != 0 ? 0.5f : 1.0f) / grid_.hx;
+            const auto d = load(here);
+            const auto gx = hn::Mul(hn::Sub(load(here + after), load(here + before)), hn::Set(tag, per_x));
+            const auto gy = hn::Mul(hn::Sub(load(here + y1), load(here + y0)), hn::Set(tag, per_y));
+            const auto gz = hn::Mul(hn::Sub(load(here + z1), load(here + z0)), hn::Set(tag, per_z));
+            const auto square = hn::MulAdd(gx, gx, hn::MulAdd(gy, gy, hn::Mul(gz, gz)));
+            const auto some = hn::Gt(square, hn::Zero(tag));
+            const auto scale =
+                hn::IfThenElseZero(some, hn::Div(hn::Set(tag, kNormalScale), hn::Sqrt(square)));
+            const auto component = [&](auto g) HWY_ATTR {
+                return hn::And(hn::BitCast(u32, hn::NearestInt(hn::IfThenElseZero(some, hn::Mul(g, scale)))),
+                               hn::Set(u32, 0xff));
+            };
+            const auto tau = hn::MulAdd(d, hn::Set(tag, 1 / grid_.h()), hn::Set(tag, kImprovedShift));
+            const auto opacity =
+                hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
+            const auto open =
+                hn::NegMulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 255.0f));  // equation 8
+            const auto byte = hn::BitCast(u32, hn::NearestInt(open));
+            (void)i32;
+            hn::StoreU(hn::Or(hn::Or(byte, hn::ShiftLeft<8>(component(gx))),
+                              hn::Or(hn::ShiftLeft<16>(component(gy)), hn::ShiftLeft<24>(component(gz)))),
+                       u32, out + x);
+        };
+        const hn::CappedTag<float, 1> single;
+        // The ends have one neighbour; between them whole vectors, and what is left over one by one.
+        words(single, 0);
+        std::size_t x = 1;
+        for (; x + kLanes < grid_.nx; x += kLanes) words(f, x);
+        for (; x < grid_.nx; ++x) words(single, x);
+    }
+
+    void sweep(std::size_t slab, std::size_t index) {
+        const std::size_t octant = octant_of(index);
+        const float intensity = job_.intensities[octant];
+        if (intensity == 0 && !job_.octants) return;
+        if (job_.ordinates == 3)
+            sweep_rows<3>(slab, index, intensity);
+        else
+            sweep_rows<6>(slab, index, intensity);
+    }
+
+    template<std::size_t kOrdinates>
+    void sweep_rows(std::size_t slab, std::size_t index, float intensity) {
+        const std::size_t octant = octant_of(index), layer = shape_.slice_stride * kLanes;
+        const auto layout = static_cast<std::size_t>(skew_of(octant));
+        OrdinateSweep s;
+        s.direction = kSweeps[octant];
+        s.vectors = static_cast<std::ptrdiff_t>(shape_.vectors);
+        s.ascending = s.direction.x > 0;
+        s.slice_stride = static_cast<std::ptrdiff_t>(layer);
+        s.below_stride = static_cast<std::ptrdiff_t>(layer);
+        s.border_stride = static_cast<std::ptrdiff_t>(row());
+        float* const border = border_ + index * kOrdinates * kSlices * row();
+        std::fill_n(border, kOrdinates * kSlices * row(), 0.0f);
+        s.border = border + Shape::kPad;
+        s.ordinates = ordinates_of(octant, kOrdinates);
+        s.weight = intensity / (static_cast<float>(kOctants * kOrdinates) * (job_.through ? 0.5f : 0.25f));
+        s.lit = lit_;
+        s.through = job_.through;
+        const bool upward = s.direction.y > 0;
+        for (std::size_t i = 0; i < shape_.groups; ++i) {
+            const std::size_t group = upward ? i : shape_.groups - 1 - i;
+            const std::size_t at = offset_of(slab) + shape_.at(0, group);
+            s.vertices = vertices_[layout] + at;
+            s.sum = sums_[layout] + at;
+            s.below = below_ + index * kOrdinates * layer + shape_.at(0, group);
+            if (visibility_) s.visibility = words_of(slab, group, index);
+            if (upward)
+                sweep_ordinates<true, kOrdinates>(s);
+            else
+                sweep_ordinates<false, kOrdinates>(s);
+        }
+    }
+
+    void store(std::size_t slab, std::size_t part) {
+        if (visibility_)
+            for (std::size_t group = part; group < shape_.groups; group += kSlices) {
+                OctantWords from{};
+                from.group = group;
+                for (std::size_t i = 0; i < 4; ++i) {
+                    from.octants[i] = octant_of(i);
+                    from.words[i] = words_of(slab, group, i);
+                    from.slices[i] = slice_of(slab, i);
+                }
+                store_octants(grid_, shape_, from, rows_of(kStore, part), job_.octants);
+            }
+        const std::size_t z = slice_of(slab, part);
+        if (z == grid_.nz || !job_.visibility) return;
+        float* const rows = rows_of(kStore, part);
+        float* const rising = rows + kLanes * shape_.row_stride;
+        for (std::size_t group = 0; group < shape_.groups; ++group) {
+            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
+                const float* const from = sums_[static_cast<std::size_t>(skew)] + at;
+                unskew_rows(
+                    shape_, skew,
+                    [from](std::ptrdiff_t t)
+                        HWY_ATTR { return hn::Load(F(), from + t * static_cast<std::ptrdiff_t>(kLanes)); },
+                    skew == Skew::kFalling ? rows : rising);
+            }
+            for (std::size_t l = 0; l < std::min(kLanes, grid_.ny - group * kLanes); ++l)
+                add_row(rows + l * shape_.row_stride, rising + l * shape_.row_stride,
+                        swept_ + grid_.index(0, group * kLanes + l, z));
+        }
+    }
+
+    // Both layouts' sums, and in the second pass the first one's, to visibility.
+    void add_row(const float* a, const float* b, float* out) const {
+        for (std::size_t x = 0; x < grid_.nx; ++x) {
+            const float sum = a[x] + b[x];
+            if (!down_)
+                out[x] = sum;
+            else
+                out[x] = std::max(0.0f, lit_ ? out[x] + sum : 1 - (out[x] + sum));
+        }
+    }
+
+    const OcclusionJob& job_;
+    const Grid grid_;
+    const Shape shape_;
+    const bool lit_;
+    const SlabPipeline<kStages> pipeline_;
+    bool down_ = false;
+    std::array<Buffer<std::uint32_t>, 2> vertices_;  // by Skew
+    std::array<Buffer<float>, 2> sums_;
+    Buffer<float> below_, border_, rows_, swept_;
+    Buffer<std::uint32_t> visibility_;
+};
+
+void sweep_occlusion(const OcclusionJob& job) {
+    OcclusionSweeps(job).run();
+}
+
+#else
+void sweep_occlusion(const OcclusionJob& job) {
+    sweep_occlusion_reference(job);
+}
+#endif
+
+}  // namespace dfield::runtime::volume::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace dfield::runtime::volume {
+
+HWY_EXPORT(sweep_occlusion);
+
+OcclusionFunction* occlusion_function(std::int64_t targets) {
+    return pick(HWY_DISPATCH_TABLE(sweep_occlusion), targets, &sweep_occlusion_reference);
+}
+
+}  // namespace dfield::runtime::volume
+#endif

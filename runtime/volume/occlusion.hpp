@@ -1,0 +1,55 @@
+// The improved form of occlusion sweeping, over a finished distance field. Three mends to the paper's:
+// - several fields an octant, each with weights of its own in equation 6, so that they collapse onto several
+//   directions instead of the octant's diagonal; equation 5's geometry term becomes a sum over these
+//   ordinates;
+// - a transmittance that is 1 from D >= 0 on (tau = D / h + 5/4 within [0, 1]), so that flat walls do not
+// darken
+//   themselves; it reads D well below -h/2, which only the finished field has;
+// - for the same reason the result of a voxel near the surface is taken a little off it, along the normal.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "context.hpp"
+#include "volume/grid.hpp"
+
+namespace dfield::runtime::volume {
+
+// Weights of a sweep's x, y and z neighbours in equation 6; the direction they collapse onto is theirs.
+struct Ordinate {
+    float x, y, z;
+};
+constexpr std::size_t kMaxOrdinates = 6;  // an octant
+// `count`: 3 or 6. Six are all permutations of one triple of weights. Three are its cyclic ones, turned the
+// other way round in neighbouring octants: the 24 directions of all octants then are the corners of a snub
+// cube, spread more evenly than three mirror images would be.
+std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count);
+
+constexpr float kImprovedShift = 1.25f;   // of the transmittance
+constexpr float kImprovedOffset = 1.25f;  // h off the surface, where results near it are taken
+constexpr float kImprovedDepth = 2;       // h below it, from where on they are not
+
+struct OcclusionJob {
+    dfield_context* context = nullptr;
+    Grid grid;
+    const float* distance = nullptr;  // a float a voxel, signed
+    std::size_t ordinates = 3;        // an octant: 3 or 6
+    float alpha = 1;                  // equation 8
+    bool through = false;             // |N.w| for the geometry term
+    std::array<float, kOctants> intensities{1, 1, 1, 1, 1, 1, 1, 1};
+    float* visibility = nullptr;  // a float a voxel, out, or null: visibility with D's gradient as normal
+    std::uint8_t* octants =
+        nullptr;  // as DistanceJob::octants, out, or null: the mean of an octant's ordinates
+};
+
+using OcclusionFunction = void(const OcclusionJob& job);
+OcclusionFunction* occlusion_function(std::int64_t targets);
+void sweep_occlusion_reference(const OcclusionJob& job);
+
+// The last mend: result[p] is `swept`, a visibility with the gradient as normal, at p moved along the normal
+// to at least kImprovedOffset h off the surface.
+void move_off_surface(const dfield_context& context, const Grid& grid, const float* distance,
+                      const float* swept, float* result);
+
+}  // namespace dfield::runtime::volume

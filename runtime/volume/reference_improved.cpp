@@ -1,0 +1,93 @@
+// The improved form by the reference's sweeps, and what is the same in all forms of it.
+#include <algorithm>
+#include <cmath>
+
+#include "volume/buffer.hpp"
+#include "volume/field.hpp"
+#include "volume/occlusion.hpp"
+#include "volume/reference.hpp"
+
+namespace dfield::runtime::volume {
+
+std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count) {
+    constexpr float a = 0.55f, b = 0.3f, c = 0.15f;
+    std::array<Ordinate, kMaxOrdinates> result{
+        {{a, b, c}, {c, a, b}, {b, c, a}, {a, c, b}, {c, b, a}, {b, a, c}}};
+    const Sweep& sweep = kSweeps[octant];
+    if (count == 3 && sweep.x * sweep.y * sweep.z < 0)
+        std::rotate(result.begin(), result.begin() + 3, result.end());
+    return result;
+}
+
+void move_off_surface(const dfield_context& context, const Grid& grid, const float* distance,
+                      const float* swept, float* result) {
+    const SignedField field{grid, distance}, visibility{grid, swept};
+    const float h = grid.h(), offset = kImprovedOffset * h, deepest = -kImprovedDepth * h;
+    context.for_ranges(grid.ny * grid.nz, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const std::size_t y = row % grid.ny, z = row / grid.ny;
+            for (std::size_t x = 0; x < grid.nx; ++x) {
+                const std::size_t i = grid.index(x, y, z);
+                result[i] = swept[i];
+                if (distance[i] < deepest || distance[i] >= offset) continue;
+                const glm::vec3 gradient = field.gradient(x, y, z);
+                const float length = glm::length(gradient);
+                if (!(length > 0)) continue;
+                const glm::vec3 point(static_cast<float>(x) * grid.hx, static_cast<float>(y) * grid.hy,
+                                      static_cast<float>(z) * grid.hz);
+                const float step = std::min(offset - distance[i], 2 * offset);
+                result[i] = visibility.at(point + step / length * gradient);
+            }
+        }
+    });
+}
+
+void sweep_occlusion_reference(const OcclusionJob& job) {
+    const Grid& grid = job.grid;
+    reference::Distances field{grid, {}, {}, {}};
+    field.d.resize(grid.size());
+    field.inside.resize(grid.size());
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        field.d[i] = std::abs(job.distance[i]);
+        field.inside[i] = std::signbit(job.distance[i]);
+    }
+    const SignedField signed_field{grid, job.distance};
+    const reference::Transmittance tau{kImprovedShift, job.alpha};
+    const bool even =
+        std::all_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i == 1; });
+    // The mean of max(0, N.w) over evenly spread directions is 1/4.
+    const float weight = 1 / (static_cast<float>(kOctants * job.ordinates) * (job.through ? 0.5f : 0.25f));
+    std::vector<float> fields(grid.size()), mean(grid.size()), sum(grid.size(), even ? 1.0f : 0.0f);
+    for (std::size_t s = 0; s < kOctants; ++s) {
+        std::fill(mean.begin(), mean.end(), 0.0f);
+        const auto ordinates = ordinates_of(s, job.ordinates);
+        for (std::size_t o = 0; o < job.ordinates; ++o) {
+            const Ordinate& w = ordinates[o];
+            reference::sweep_visibility(field, kSweeps[s], {w.x, w.y, w.z}, tau, fields.data());
+            const glm::vec3 towards = -glm::normalize(glm::vec3(static_cast<float>(kSweeps[s].x) * w.x,
+                                                                static_cast<float>(kSweeps[s].y) * w.y,
+                                                                static_cast<float>(kSweeps[s].z) * w.z));
+            for (std::size_t z = 0, i = 0; z < grid.nz; ++z)
+                for (std::size_t y = 0; y < grid.ny; ++y)
+                    for (std::size_t x = 0; x < grid.nx; ++x, ++i) {
+                        mean[i] += fields[i] / static_cast<float>(job.ordinates);
+                        const glm::vec3 gradient = signed_field.gradient(x, y, z);
+                        const float length = glm::length(gradient);
+                        if (!(length > 0)) continue;
+                        const float cosine = glm::dot(gradient, towards) / length;
+                        const float term = weight * (job.through ? std::abs(cosine) : std::max(0.0f, cosine));
+                        // Of full light everywhere it is the darkness that is summed: open is exactly 1.
+                        sum[i] += even ? -term * (1 - fields[i]) : term * job.intensities[s] * fields[i];
+                    }
+        }
+        if (job.octants)
+            for (std::size_t i = 0; i < grid.size(); ++i)
+                job.octants[4 * (s / 4 * grid.size() + i) + s % 4] =
+                    static_cast<std::uint8_t>(std::lround(255 * mean[i]));
+    }
+    if (!job.visibility) return;
+    for (float& value : sum) value = std::max(0.0f, value);
+    move_off_surface(*job.context, grid, job.distance, sum.data(), job.visibility);
+}
+
+}  // namespace dfield::runtime::volume
