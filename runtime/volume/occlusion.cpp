@@ -14,7 +14,9 @@
 #include "volume/occlusion.hpp"
 #include "volume/occlusion_kernel-inl.hpp"
 #include "volume/octant_words-inl.hpp"
+#include "volume/off_surface-inl.hpp"
 #include "volume/pipeline.hpp"
+#include "volume/row_gradient-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::volume::HWY_NAMESPACE {
@@ -40,7 +42,6 @@ class OcclusionSweeps {
         border_ = Buffer<float>(context, 4 * job.ordinates * kSlices * row());
         rows_ = Buffer<float>(context, workers() * kRowSets * kLanes * shape_.row_stride, 0.0f);
         if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * pipeline_.ring() * layer, 0);
-        swept_ = Buffer<float>(context, job.visibility ? grid_.size() : 0);
     }
 
     void run() {
@@ -56,8 +57,7 @@ class OcclusionSweeps {
                     sweep(slab, stage - kSweep0);
             });
         }
-        if (job_.visibility)
-            move_off_surface(*job_.context, grid_, job_.distance, swept_.get(), job_.visibility);
+        if (job_.visibility) OffSurface(grid_, job_.distance, job_.visibility).run(job_.context);
     }
 
   private:
@@ -106,49 +106,29 @@ class OcclusionSweeps {
 
     // A row's words.
     void load_row(std::size_t y, std::size_t z, std::uint32_t* out) const {
-        const F f;
-        const float* const here = job_.distance + grid_.index(0, y, z);
-        const std::ptrdiff_t slice = static_cast<std::ptrdiff_t>(grid_.nx * grid_.ny);
-        const std::ptrdiff_t y0 = y > 0 ? -static_cast<std::ptrdiff_t>(grid_.nx) : 0;
-        const std::ptrdiff_t y1 = y + 1 < grid_.ny ? static_cast<std::ptrdiff_t>(grid_.nx) : 0;
-        const std::ptrdiff_t z0 = z > 0 ? -slice : 0, z1 = z + 1 < grid_.nz ? slice : 0;
-        const float per_y = (y0 != 0 && y1 != 0 ? 0.5f : 1.0f) / grid_.hy;
-        const float per_z = (z0 != 0 && z1 != 0 ? 0.5f : 1.0f) / grid_.hz;
-        const auto words = [&](auto tag, std::size_t x) HWY_ATTR {
-            const hn::RebindToSigned<decltype(tag)> i32;
+        const RowGradient row(grid_, job_.distance, y, z);
+        row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const hn::RebindToUnsigned<decltype(tag)> u32;
-            const auto load = [&](const float* p) HWY_ATTR { return hn::LoadU(tag, p + x); };
-            const std::ptrdiff_t before = x > 0 ? -1 : 0, after = x + hn::Lanes(tag) < grid_.nx ? 1 : 0;
-            const float per_x = (before != 0 && after != 0 ? 0.5f : 1.0f) / grid_.hx;
-            const auto d = load(here);
-            const auto gx = hn::Mul(hn::Sub(load(here + after), load(here + before)), hn::Set(tag, per_x));
-            const auto gy = hn::Mul(hn::Sub(load(here + y1), load(here + y0)), hn::Set(tag, per_y));
-            const auto gz = hn::Mul(hn::Sub(load(here + z1), load(here + z0)), hn::Set(tag, per_z));
-            const auto square = hn::MulAdd(gx, gx, hn::MulAdd(gy, gy, hn::Mul(gz, gz)));
-            const auto some = hn::Gt(square, hn::Zero(tag));
-            const auto scale =
-                hn::IfThenElseZero(some, hn::Div(hn::Set(tag, kNormalScale), hn::Sqrt(square)));
-            const auto component = [&](auto g) HWY_ATTR {
-                return hn::And(hn::BitCast(u32, hn::NearestInt(hn::IfThenElseZero(some, hn::Mul(g, scale)))),
-                               hn::Set(u32, 0xff));
+            const auto g = row.at(tag, x);
+            const auto some = hn::Gt(g.square, hn::Zero(tag));
+            const auto scale = hn::IfThenElseZero(
+                some, hn::Mul(hn::ApproximateReciprocalSqrt(g.square), hn::Set(tag, kNormalScale)));
+            // Added to 3 * 2^22, a number's last bits are its nearest integer's, negative ones too.
+            const auto magic = hn::Set(tag, 0x3p22f);
+            const auto component = [&](auto along) HWY_ATTR {
+                return hn::BitCast(u32, hn::MulAdd(hn::IfThenElseZero(some, along), scale, magic));
             };
-            const auto tau = hn::MulAdd(d, hn::Set(tag, 1 / grid_.h()), hn::Set(tag, kImprovedShift));
+            const auto tau = hn::MulAdd(hn::LoadU(tag, row.here() + x), hn::Set(tag, 1 / grid_.h()),
+                                        hn::Set(tag, kImprovedShift));
             const auto opacity =
                 hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
-            const auto open =
-                hn::NegMulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 255.0f));  // equation 8
-            const auto byte = hn::BitCast(u32, hn::NearestInt(open));
-            (void)i32;
-            hn::StoreU(hn::Or(hn::Or(byte, hn::ShiftLeft<8>(component(gx))),
-                              hn::Or(hn::ShiftLeft<16>(component(gy)), hn::ShiftLeft<24>(component(gz)))),
-                       u32, out + x);
-        };
-        const hn::CappedTag<float, 1> single;
-        // The ends have one neighbour; between them whole vectors, and what is left over one by one.
-        words(single, 0);
-        std::size_t x = 1;
-        for (; x + kLanes < grid_.nx; x += kLanes) words(f, x);
-        for (; x < grid_.nx; ++x) words(single, x);
+            const auto open = hn::BitCast(
+                u32, hn::NegMulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 255 + 0x3p22f)));
+            auto word = component(g.z);
+            for (const auto& byte : {component(g.y), component(g.x), open})
+                word = hn::IfVecThenElse(hn::Set(u32, 0xff), byte, hn::ShiftLeft<8>(word));
+            hn::StoreU(word, u32, out + x);
+        });
     }
 
     void sweep(std::size_t slab, std::size_t index) {
@@ -222,19 +202,21 @@ class OcclusionSweeps {
             }
             for (std::size_t l = 0; l < std::min(kLanes, grid_.ny - group * kLanes); ++l)
                 add_row(rows + l * shape_.row_stride, rising + l * shape_.row_stride,
-                        swept_ + grid_.index(0, group * kLanes + l, z));
+                        job_.visibility + grid_.index(0, group * kLanes + l, z));
         }
     }
 
     // Both layouts' sums, and in the second pass the first one's, to visibility.
     void add_row(const float* a, const float* b, float* out) const {
-        for (std::size_t x = 0; x < grid_.nx; ++x) {
-            const float sum = a[x] + b[x];
-            if (!down_)
-                out[x] = sum;
-            else
-                out[x] = std::max(0.0f, lit_ ? out[x] + sum : 1 - (out[x] + sum));
-        }
+        const auto row = [&](const auto& finish) {
+            for (std::size_t x = 0; x < grid_.nx; ++x) out[x] = finish(out[x], a[x] + b[x]);
+        };
+        if (!down_)
+            row([](float, float sum) { return sum; });
+        else if (lit_)
+            row([](float before, float sum) { return before + sum; });
+        else
+            row([](float before, float sum) { return std::max(0.0f, 1 - (before + sum)); });
     }
 
     const OcclusionJob& job_;
@@ -245,7 +227,7 @@ class OcclusionSweeps {
     bool down_ = false;
     std::array<Buffer<std::uint32_t>, 2> vertices_;  // by Skew
     std::array<Buffer<float>, 2> sums_;
-    Buffer<float> below_, border_, rows_, swept_;
+    Buffer<float> below_, border_, rows_;
     Buffer<std::uint32_t> visibility_;
 };
 
