@@ -28,7 +28,7 @@ std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t
 
 constexpr float kImprovedShift = 1.25f;   // of the transmittance
 constexpr float kImprovedOffset = 1.25f;  // h off the surface, where results near it are taken
-constexpr float kImprovedDepth = 2;       // h below it, from where on they are not
+constexpr float kImprovedDepth = 1.75f;   // h below it, from where on they are not
 
 struct OcclusionJob {
     dfield_context* context = nullptr;

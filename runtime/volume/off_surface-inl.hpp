@@ -80,55 +80,39 @@ class OffSurface {
                 return hn::MulAdd(hn::IfThenElseZero(some, hn::Mul(along, scale)), hn::Set(tag, 1 / h),
                                   hn::Set(tag, static_cast<float>(at)));
             };
-            const auto px = hn::Add(from(x, g.x, grid_.hx), hn::Iota(tag, 0));
-            const auto value = blend(tag, px, from(y, g.y, grid_.hy), from(z, g.z, grid_.hz));
-            moved += hn::CompressBlendedStore(value, chosen, tag, moved);
+            // Few lanes of a vector are near, and gathers are no faster than loads: one by one from here.
+            HWY_ALIGN float px[kLanes], py[kLanes], pz[kLanes];
+            // Compressing straight to memory is slow on some processors.
+            hn::Store(hn::Compress(hn::Add(from(x, g.x, grid_.hx), hn::Iota(tag, 0)), chosen), tag, px);
+            hn::Store(hn::Compress(from(y, g.y, grid_.hy), chosen), tag, py);
+            hn::Store(hn::Compress(from(z, g.z, grid_.hz), chosen), tag, pz);
+            const std::size_t n = hn::CountTrue(tag, chosen);
+            for (std::size_t i = 0; i < n; ++i) *moved++ = blend(px[i], py[i], pz[i]);
         });
     }
 
     // Trilinear, at a point in voxels.
-    template<class Tag, class V = hn::Vec<Tag>>
-    HWY_INLINE V blend(Tag tag, V x, V y, V z) const {
-        const hn::RebindToSigned<Tag> i32;
-        using VI = hn::Vec<decltype(i32)>;
+    HWY_INLINE float blend(float x, float y, float z) const {
         struct Axis {
-            VI low, step;  // index of the lower corner, and from there to the upper
-            V fraction;
+            std::size_t low, step;  // offset of the lower corner, and from there to the upper
+            float fraction;
         };
-        const auto axis = [&](V at, std::size_t n, std::size_t stride) HWY_ATTR {
-            const V inside = hn::Clamp(at, hn::Zero(tag), hn::Set(tag, static_cast<float>(n - 1)));
-            const V last = hn::Set(tag, static_cast<float>(n > 1 ? n - 2 : 0));
-            const V low = hn::Min(hn::Floor(inside), last);
-            Axis result;
-            result.low = hn::ConvertTo(i32, low);
-            result.step = hn::Set(i32, n > 1 ? static_cast<std::int32_t>(stride) : 0);
-            result.fraction = hn::Sub(inside, low);
-            return result;
+        const auto axis = [](float at, std::size_t n, std::size_t stride) {
+            const float inside = std::min(std::max(at, 0.0f), static_cast<float>(n - 1));
+            const std::size_t low =
+                std::min(static_cast<std::size_t>(static_cast<std::int32_t>(inside)), n > 1 ? n - 2 : 0);
+            return Axis{low * stride, n > 1 ? stride : 0, inside - static_cast<float>(low)};
         };
-        const Axis ax = axis(x, grid_.nx, 1), ay = axis(y, grid_.ny, grid_.nx), az = axis(z, grid_.nz, 0);
-        // The slice apart, so that 32-bit indices hold what is within two slices.
-        HWY_ALIGN std::int32_t slices[kLanes];
-        hn::Store(az.low, i32, slices);
-        std::int32_t lowest = slices[0];
-        for (std::size_t l = 1; l < hn::Lanes(tag); ++l) lowest = std::min(lowest, slices[l]);
-        const std::size_t slice = grid_.nx * grid_.ny;
-        const float* const base = visibility_ + static_cast<std::size_t>(lowest) * slice;
-        const VI width = hn::Set(i32, static_cast<std::int32_t>(grid_.nx));
-        const VI height = hn::Set(i32, static_cast<std::int32_t>(slice));
-        const VI corner = hn::Add(
-            ax.low, hn::Add(hn::Mul(ay.low, width), hn::Mul(hn::Sub(az.low, hn::Set(i32, lowest)), height)));
-        const VI step_z = grid_.nz > 1 ? height : hn::Zero(i32);
-        const auto along_x = [&](VI at) HWY_ATTR {
-            const V low = hn::GatherIndex(tag, base, at),
-                    high = hn::GatherIndex(tag, base, hn::Add(at, ax.step));
-            return hn::MulAdd(ax.fraction, hn::Sub(high, low), low);
+        const Axis ax = axis(x, grid_.nx, 1), ay = axis(y, grid_.ny, grid_.nx),
+                   az = axis(z, grid_.nz, grid_.nx * grid_.ny);
+        const float* const corner = visibility_ + ax.low + ay.low + az.low;
+        const auto along_x = [&](const float* p) { return p[0] + ax.fraction * (p[ax.step] - p[0]); };
+        const auto along_y = [&](const float* p) {
+            const float low = along_x(p);
+            return low + ay.fraction * (along_x(p + ay.step) - low);
         };
-        const auto along_y = [&](VI at) HWY_ATTR {
-            const V low = along_x(at), high = along_x(hn::Add(at, ay.step));
-            return hn::MulAdd(ay.fraction, hn::Sub(high, low), low);
-        };
-        const V low = along_y(corner), high = along_y(hn::Add(corner, step_z));
-        return hn::MulAdd(az.fraction, hn::Sub(high, low), low);
+        const float low = along_y(corner);
+        return low + az.fraction * (along_y(corner + az.step) - low);
     }
 
     const Grid grid_;
