@@ -57,7 +57,8 @@ class OcclusionSweeps {
                     sweep(slab, stage - kSweep0);
             });
         }
-        if (job_.visibility) OffSurface(grid_, job_.distance, job_.visibility).run(job_.context);
+        if (job_.visibility && job_.off_surface)
+            OffSurface(grid_, job_.distance, job_.visibility).run(job_.context);
     }
 
   private:
@@ -119,7 +120,7 @@ class OcclusionSweeps {
                 return hn::BitCast(u32, hn::MulAdd(hn::IfThenElseZero(some, along), scale, magic));
             };
             const auto tau = hn::MulAdd(hn::LoadU(tag, row.here() + x), hn::Set(tag, 1 / grid_.h()),
-                                        hn::Set(tag, kImprovedShift));
+                                        hn::Set(tag, job_.shift));
             const auto opacity =
                 hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
             const auto open = hn::BitCast(
@@ -135,7 +136,10 @@ class OcclusionSweeps {
         const std::size_t octant = octant_of(index);
         const float intensity = job_.intensities[octant];
         if (intensity == 0 && !job_.octants) return;
-        if (job_.ordinates == 3)
+        if (job_.only < kOctants && job_.only != octant) return;
+        if (job_.ordinates == 1)
+            sweep_rows<1>(slab, index, intensity);
+        else if (job_.ordinates == 3)
             sweep_rows<3>(slab, index, intensity);
         else
             sweep_rows<6>(slab, index, intensity);

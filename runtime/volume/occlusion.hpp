@@ -21,12 +21,12 @@ struct Ordinate {
     float x, y, z;
 };
 constexpr std::size_t kMaxOrdinates = 6;  // an octant
-// `count`: 3 or 6. Six are all permutations of one triple of weights. Three are its cyclic ones, turned the
-// other way round in neighbouring octants: the 24 directions of all octants then are the corners of a snub
-// cube, spread more evenly than three mirror images would be.
+// `count`: 1, 3 or 6. One is the paper's, 1/3 each. Six are all permutations of one triple of weights. Three
+// are its cyclic ones, turned the other way round in neighbouring octants: the 24 directions of all octants
+// then are the corners of a snub cube, spread more evenly than three mirror images would be.
 std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count);
 
-constexpr float kImprovedShift = 1.25f;   // of the transmittance
+constexpr float kPaperShift = 0.5f, kImprovedShift = 1.25f;  // of the transmittance, equation 7 and mended
 constexpr float kImprovedOffset = 1.25f;  // h off the surface, where results near it are taken
 constexpr float kImprovedDepth = 1.75f;   // h below it, from where on they are not
 
@@ -34,10 +34,13 @@ struct OcclusionJob {
     dfield_context* context = nullptr;
     Grid grid;
     const float* distance = nullptr;  // a float a voxel, signed
-    std::size_t ordinates = 3;        // an octant: 3 or 6
-    float alpha = 1;                  // equation 8
-    bool through = false;             // |N.w| for the geometry term
+    std::size_t ordinates = 3;        // an octant: 1, 3 or 6
+    float shift = kImprovedShift;
+    bool off_surface = true;  // the last mend
+    float alpha = 1;          // equation 8
+    bool through = false;     // |N.w| for the geometry term
     std::array<float, kOctants> intensities{1, 1, 1, 1, 1, 1, 1, 1};
+    std::size_t only = kOctants;  // the one octant to sweep, or kOctants: all that are asked for
     float* visibility = nullptr;  // a float a voxel, out, or null: visibility with D's gradient as normal
     std::uint8_t* octants =
         nullptr;  // as DistanceJob::octants, out, or null: the mean of an octant's ordinates

@@ -10,6 +10,7 @@
 namespace dfield::runtime::volume {
 
 std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count) {
+    if (count == 1) return {{{1.0f / 3, 1.0f / 3, 1.0f / 3}}};
     constexpr float a = 0.55f, b = 0.3f, c = 0.15f;
     std::array<Ordinate, kMaxOrdinates> result{
         {{a, b, c}, {c, a, b}, {b, c, a}, {a, c, b}, {c, b, a}, {b, a, c}}};
@@ -52,13 +53,14 @@ void sweep_occlusion_reference(const OcclusionJob& job) {
         field.inside[i] = std::signbit(job.distance[i]);
     }
     const SignedField signed_field{grid, job.distance};
-    const reference::Transmittance tau{kImprovedShift, job.alpha};
+    const reference::Transmittance tau{job.shift, job.alpha};
     const bool even =
         std::all_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i == 1; });
     // The mean of max(0, N.w) over evenly spread directions is 1/4.
     const float weight = 1 / (static_cast<float>(kOctants * job.ordinates) * (job.through ? 0.5f : 0.25f));
     std::vector<float> fields(grid.size()), mean(grid.size()), sum(grid.size(), even ? 1.0f : 0.0f);
     for (std::size_t s = 0; s < kOctants; ++s) {
+        if (job.only < kOctants && job.only != s) continue;
         std::fill(mean.begin(), mean.end(), 0.0f);
         const auto ordinates = ordinates_of(s, job.ordinates);
         for (std::size_t o = 0; o < job.ordinates; ++o) {
@@ -87,7 +89,10 @@ void sweep_occlusion_reference(const OcclusionJob& job) {
     }
     if (!job.visibility) return;
     for (float& value : sum) value = std::max(0.0f, value);
-    move_off_surface(*job.context, grid, job.distance, sum.data(), job.visibility);
+    if (job.off_surface)
+        move_off_surface(*job.context, grid, job.distance, sum.data(), job.visibility);
+    else
+        std::copy(sum.begin(), sum.end(), job.visibility);
 }
 
 }  // namespace dfield::runtime::volume

@@ -3,7 +3,7 @@
    instruction set field.h         loaded .dfield files scene.h         instances of fields, and snapshots of
    them rays.h          rays: nearest hits, occlusion ambient.h       ambient occlusion of receivers, bent
    normals, harmonics, masks receiver_set.h  receivers that stay from frame to frame, updated where something
-   changed
+   changed volume.h        volumes: distance fields and occlusion by sweeping
 
    A *field* (a .dfield file, baked offline) knows of one rigid object what it hides, for every line that
    meets its bounding sphere. A *scene* places instances of fields by affine transforms and answers rays and
@@ -34,5 +34,6 @@
 #include "dfield/rays.h"
 #include "dfield/receiver_set.h"
 #include "dfield/scene.h"
+#include "dfield/volume.h"
 
 #endif
