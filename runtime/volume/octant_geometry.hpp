@@ -20,7 +20,7 @@ OctantTerms octant_geometry_through(const glm::vec3& normal);
 // The closed form at the nodes of an octahedral map of the normals, blended between them.
 class OctantTable {
   public:
-    static constexpr std::size_t kNodes = 33;  // an edge; within kError of the closed form
+    static constexpr std::size_t kNodes = 49;  // an edge; within kError of the closed form
     static constexpr float kError = 0.01f;
     OctantTable();
     OctantTerms operator()(const glm::vec3& normal) const;

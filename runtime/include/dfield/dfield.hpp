@@ -234,6 +234,48 @@ class ReceiverSet {
     detail::Handle<dfield_receiver_set, dfield_receiver_set_release> handle_;
 };
 
+// Volumes: the C calls with exceptions. Arrays are the caller's, as in dfield/volume.h.
+inline dfield_sweep_desc sweep_defaults() noexcept {
+    dfield_sweep_desc desc;
+    dfield_sweep_desc_init(&desc);
+    return desc;
+}
+// All members null: nothing is wanted yet.
+inline dfield_sweep_outputs no_sweep_outputs() noexcept {
+    dfield_sweep_outputs outputs{};
+    outputs.struct_size = sizeof outputs;
+    return outputs;
+}
+inline dfield_sweep_times sweep_volume(const Context& context, const dfield_volume_samples& samples,
+                                       const dfield_sweep_desc& desc, const dfield_sweep_outputs& outputs) {
+    dfield_sweep_times times{};
+    check(dfield_volume_sweep(context.get(), &samples, &desc, &outputs, &times));
+    return times;
+}
+// A distance field at hand, in the caller's memory, and what can be asked of it at points.
+class VolumeField {
+  public:
+    VolumeField(const Context& context, const dfield_volume_grid& grid, const float* distance) noexcept
+        : context_(context.get()), grid_(grid), distance_(distance) {}
+    void visibility_by_rays(const dfield_volume_points& points, std::uint32_t rays, std::uint64_t seed,
+                            float* visibility) const {
+        check(dfield_volume_visibility_by_rays(context_, &grid_, distance_, &points, rays, seed, visibility));
+    }
+    void gather_octants(const std::uint8_t* octants, const dfield_volume_points& points, float* visibility) const {
+        check(dfield_volume_gather_octants(context_, &grid_, distance_, octants, &points, visibility));
+    }
+    // Of any field on the grid; values and gradients may be null.
+    void interpolate(const float* field, const dfield_volume_points& points, float* values,
+                     float* gradients = nullptr) const {
+        check(dfield_volume_interpolate(context_, &grid_, field, &points, values, gradients));
+    }
+
+  private:
+    dfield_context* context_;
+    dfield_volume_grid grid_;
+    const float* distance_;
+};
+
 }  // namespace dfield
 
 #endif
