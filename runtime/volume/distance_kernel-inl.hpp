@@ -158,7 +158,7 @@ class GroupKernel {
             const VF az = p > 0 ? d_[p > 0 ? p - 1 : 0] : hn::Load(f, s_.below + t * kN);
             // Frozen vertices are negative, and stay what they are.
             const VF before = hn::Load(f, at);
-            const VF result = hn::Min(before, hn::IfVecThenElse(inside_bit_, before, solver_(d_[p], ay, az)));
+            const VF result = hn::Min(before, select_bits(inside_bit_, before, solver_(d_[p], ay, az)));
             hn::Store(result, f, at);
             d_[p] = hn::Abs(result);
             if (p == kS - 1) hn::Store(d_[p], f, s_.below + t * kN);

@@ -59,7 +59,9 @@ void evaluate_row(const EvaluationJob& job, std::size_t y, std::size_t z) {
         const V scale = hn::Div(hn::Set(tag, 1.0f), hn::Sqrt(gradient.square));
         const auto unit = [&](V g) HWY_ATTR { return hn::IfThenElseZero(some, hn::Mul(g, scale)); };
         const V n[3] = {unit(gradient.x), unit(gradient.y), unit(gradient.z)};
-        const V a = hn::Abs(n[0]), b = hn::Abs(n[1]), c = hn::Abs(n[2]);
+        // Two zeros have no angle; that of two equal small components serves everything that multiplies it.
+        const auto size = [&](V v) HWY_ATTR { return hn::Max(hn::Abs(v), hn::Set(tag, 1e-6f)); };
+        const V a = size(n[0]), b = size(n[1]), c = size(n[2]);
 
         // Light by octant; then, after three conditional swaps, by which of the octant's axes lie opposite to
         // N.
@@ -104,7 +106,7 @@ void evaluate_row(const EvaluationJob& job, std::size_t y, std::size_t z) {
         // Where there is no normal all octants count the same.
         V mean = light[0];
         for (std::size_t s = 1; s < kOctants; ++s) mean = hn::Add(mean, light[s]);
-        mean = hn::Mul(mean, hn::Set(tag, job.through ? kPi / 8 : kPi / 8));
+        mean = hn::Mul(mean, hn::Set(tag, kPi / 8));
         hn::StoreU(hn::Max(hn::Zero(tag), hn::IfThenElse(some, sum, mean)), tag, out);
     });
 }

@@ -126,7 +126,7 @@ HWY_INLINE void initialise_row(const Grid& grid, const RowStencil& rows, float* 
         }
         const VF bit = hn::BitCast(f, hn::Set(hn::RebindToSigned<F>(), kInsideBit));
         const VF flag = hn::IfThenElseZero(inside, bit);
-        hn::StoreU(hn::IfVecThenElse(bit, flag, result), f, out + x);
+        hn::StoreU(select_bits(bit, flag, result), f, out + x);
     }
 }
 

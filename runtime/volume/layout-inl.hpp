@@ -63,6 +63,16 @@ struct Shape {
 
 #if HWY_TARGET != HWY_SCALAR
 
+// The bits of `yes` where the mask has ones, of `no` where it has zeros; one operation where there is one.
+template<class V>
+HWY_INLINE V select_bits(V mask, V yes, V no) {
+#if HWY_TARGET <= HWY_AVX3
+    return hn::IfVecThenElse(mask, yes, no);
+#else
+    return hn::Or(hn::And(mask, yes), hn::AndNot(mask, no));
+#endif
+}
+
 // The 4 x 4 transposition within each 128-bit block.
 HWY_INLINE void transpose(VF& a, VF& b, VF& c, VF& d) {
     const F f;

@@ -127,7 +127,7 @@ class OcclusionSweeps {
                 u32, hn::NegMulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 255 + 0x3p22f)));
             auto word = component(g.z);
             for (const auto& byte : {component(g.y), component(g.x), open})
-                word = hn::IfVecThenElse(hn::Set(u32, 0xff), byte, hn::ShiftLeft<8>(word));
+                word = select_bits(hn::Set(u32, 0xff), byte, hn::ShiftLeft<8>(word));
             hn::StoreU(word, u32, out + x);
         });
     }

@@ -33,7 +33,7 @@ struct SliceBytes {
     HWY_INLINE void push(VF value, VF scale) {
         // Added to 2^23, a number's nearest integer is what its last bits say.
         const auto rounded = hn::BitCast(U32(), hn::MulAdd(value, scale, hn::Set(F(), 0x1p23f)));
-        word = hn::IfVecThenElse(hn::Set(U32(), 0xff), rounded, hn::ShiftLeft<8>(word));
+        word = select_bits(hn::Set(U32(), 0xff), rounded, hn::ShiftLeft<8>(word));
     }
 };
 

@@ -256,7 +256,8 @@ class DistanceSweeps {
                 for (std::size_t l = 0; l < count; ++l) {
                     float* const out = job_.combined + grid_.index(0, group * kLanes + l, z);
                     const float* const row = rows + l * shape_.row_stride;
-                    for (std::size_t x = 0; x < grid_.nx; ++x) out[x] = down_ ? out[x] + row[x] : row[x];
+                    for (std::size_t x = 0; x < grid_.nx; ++x)
+                        out[x] = down_ ? std::max(0.0f, out[x] + row[x]) : row[x];
                 }
             }
         }

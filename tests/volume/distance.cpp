@@ -54,20 +54,25 @@ TEST_CASE("A plane across anisotropic voxels is measured in world units", "[volu
     CHECK(error_of(sweep(across), across, kFar).largest < 1e-4);
 }
 
-TEST_CASE("An oblique plane is exact at its crossings and close away from them", "[volume][distance]") {
+TEST_CASE("An oblique plane is exact where nothing enters through the border", "[volume][distance]") {
     const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, 3));
     for (const models::Spacing spacing : {models::Spacing{1, 1, 1}, models::Spacing{1.5, 1, 0.75}}) {
-        const auto plane = models::plane_volume(
-            {40, 40, 40}, glm::dvec3(19.5) * glm::dvec3(spacing[0], spacing[1], spacing[2]), normal, spacing);
+        const glm::dvec3 centre = 19.5 * glm::dvec3(spacing[0], spacing[1], spacing[2]);
+        const auto plane = models::plane_volume({40, 40, 40}, centre, normal, spacing);
         const Swept swept = sweep(plane);
-        double crossing = 0;
-        for (std::size_t i = 0; i + 1 < swept.size(); ++i)
-            if (std::abs(plane.values[i]) < 0.2)
-                crossing = std::max(crossing, std::abs(double{swept.distance[i]} + double{plane.values[i]}));
-        CHECK(crossing < 1e-4);
-        // First order: characteristics that enter through the border start from where there is no plane to
-        // see.
-        CHECK(error_of(swept, plane, 5).rms < 0.05);
+        double largest = 0;
+        std::size_t count = 0;
+        for (std::size_t z = 12; z < 28; ++z)
+            for (std::size_t y = 12; y < 28; ++y)
+                for (std::size_t x = 12; x < 28; ++x) {
+                    const std::size_t i = swept.index(x, y, z);
+                    if (std::abs(plane.values[i]) >= 5) continue;
+                    largest =
+                        std::max(largest, std::abs(double{swept.distance[i]} + double{plane.values[i]}));
+                    ++count;
+                }
+        CHECK(count > 1000);
+        CHECK(largest < 1e-4);
     }
 }
 
@@ -147,7 +152,8 @@ TEST_CASE("A narrow band holds what the full field holds within it", "[volume][d
 }
 
 TEST_CASE("Mirrored and turned volumes have mirrored and turned distances", "[volume][distance]") {
-    // The order of the sweeps is not symmetric; that it makes no difference is what one round relies on.
+    // The order of the sweeps is not symmetric: one round of them leaves a few vertices, where fronts meet,
+    // short of where further rounds would bring them, and not the same ones in a mirrored volume.
     const auto volume = models::floor_volume({33, 33, 33});
     const Swept swept = sweep(volume);
     for (int change = 0; change < 4; ++change) {
@@ -161,10 +167,14 @@ TEST_CASE("Mirrored and turned volumes have mirrored and turned distances", "[vo
         for (std::size_t i = 0; i < changed.values.size(); ++i)
             changed.values[i] = volume.values[from(i % 33, i / 33 % 33, i / (33 * 33))];
         const Swept other = sweep(changed);
-        float largest = 0;
-        for (std::size_t i = 0; i < swept.size(); ++i)
-            largest = std::max(largest, std::abs(other.distance[i] -
-                                                 swept.distance[from(i % 33, i / 33 % 33, i / (33 * 33))]));
-        CHECK(largest < 1e-4f);
+        double sum = 0;
+        for (std::size_t i = 0; i < swept.size(); ++i) {
+            const std::size_t j = from(i % 33, i / 33 % 33, i / (33 * 33));
+            sum += std::pow(double{other.distance[i]} - double{swept.distance[j]}, 2);
+            // What the first step sets does not depend on the sweeps.
+            if (std::abs(swept.distance[j]) < 0.5f)
+                REQUIRE(other.distance[i] == Approx(swept.distance[j]).margin(1e-5));
+        }
+        CHECK(std::sqrt(sum / static_cast<double>(swept.size())) < 0.015);
     }
 }

@@ -99,15 +99,12 @@ TEST_CASE("Mirrored volumes have mirrored octants", "[volume][occlusion]") {
             changed.values[i] = volume.values[mirrored(i)];
         const Swept other = sweep(changed, form_desc(DFIELD_FORM_PAPER));
         int largest = 0;
-        float visibility = 0;
         for (std::size_t i = 0; i < swept.size(); ++i) {
             for (std::size_t s = 0; s < 8; ++s)
                 largest = std::max(largest, std::abs(other.octant(s ^ std::size_t{1} << axis, mirrored(i)) -
                                                      swept.octant(s, i)));
-            visibility = std::max(visibility, std::abs(other.visibility[mirrored(i)] - swept.visibility[i]));
         }
         CHECK(largest <= 1);  // sums in another order
-        CHECK(visibility < 0.01f);
     }
 }
 
