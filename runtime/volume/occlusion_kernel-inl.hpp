@@ -42,7 +42,8 @@ struct OrdinateSweep {
     bool through = false;
 };
 
-template<bool kUpward, std::size_t kOrdinates>
+// kLit: intensities other than 1.
+template<bool kUpward, std::size_t kOrdinates, bool kLit>
 class OrdinateKernel {
   public:
     HWY_INLINE explicit OrdinateKernel(const OrdinateSweep& sweep)
@@ -53,15 +54,18 @@ class OrdinateKernel {
           enters_(sweep.ascending ? 0 : kN - 1),
           leaves_(kN - 1 - enters_ + direction_),
           least_(hn::Set(F(), sweep.through ? -1.0f : 0.0f)) {
+        // All ordinates are permutations of one: their directions are as long.
+        const Ordinate& any = sweep.ordinates[0];
+        const float scale =
+            -sweep.weight / (kNormalScale * std::sqrt(any.x * any.x + any.y * any.y + any.z * any.z));
+        nx_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.x));
+        ny_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.y));
+        nz_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.z));
         for (std::size_t o = 0; o < kOrdinates; ++o) {
             const Ordinate& w = sweep.ordinates[o];
-            const float scale = -sweep.weight / (kNormalScale * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z));
             wx_[o] = hn::Set(F(), w.x);
             wy_[o] = hn::Set(F(), w.y);
             wz_[o] = hn::Set(F(), w.z);
-            nx_[o] = hn::Set(F(), scale * w.x * static_cast<float>(sweep.direction.x));
-            ny_[o] = hn::Set(F(), scale * w.y * static_cast<float>(sweep.direction.y));
-            nz_[o] = hn::Set(F(), scale * w.z * static_cast<float>(sweep.direction.z));
             for (std::size_t p = 0; p < kSlices; ++p) dark_[p][o] = hn::Zero(F());
         }
     }
@@ -83,9 +87,9 @@ class OrdinateKernel {
         const auto word = hn::BitCast(i32, hn::Load(U32(), s_.vertices + voxel));
         const VF tau = hn::Mul(hn::ConvertTo(f, hn::And(word, hn::Set(i32, 0xff))), hn::Set(f, 1.0f / 255));
         const VF opacity = hn::Sub(hn::Set(f, 1.0f), tau);
-        const VF nx = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<16>(word)));
-        const VF ny = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<8>(word)));
-        const VF nz = hn::ConvertTo(f, hn::ShiftRight<24>(word));
+        const VF nx = hn::Mul(nx_, hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<16>(word))));
+        const VF ny = hn::Mul(ny_, hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<8>(word))));
+        const VF nz = hn::Mul(nz_, hn::ConvertTo(f, hn::ShiftRight<24>(word)));
         VF sum = hn::Load(f, s_.sum + voxel), darkness = hn::Zero(f);
 #pragma GCC unroll 6
         for (std::size_t o = 0; o < kOrdinates; ++o) {
@@ -98,9 +102,9 @@ class OrdinateKernel {
             const VF u = hn::MulAdd(wx_[o], dx, hn::MulAdd(wy_[o], dy, hn::Mul(wz_[o], dz)));
             dark_[p][o] = hn::MulAdd(tau, u, opacity);
             if (p == kS - 1) hn::Store(dark_[p][o], f, below);
-            const VF cosine = hn::MulAdd(nx_[o], nx, hn::MulAdd(ny_[o], ny, hn::Mul(nz_[o], nz)));
+            const VF cosine = hn::MulAdd(wx_[o], nx, hn::MulAdd(wy_[o], ny, hn::Mul(wz_[o], nz)));
             const VF term = hn::Max(cosine, hn::Mul(least_, cosine));
-            sum = s_.lit ? hn::MulAdd(term, hn::Sub(hn::Set(f, 1.0f), u), sum) : hn::MulAdd(term, u, sum);
+            sum = hn::MulAdd(term, kLit ? hn::Sub(hn::Set(f, 1.0f), u) : u, sum);
             darkness = hn::Add(darkness, u);
         }
         hn::Store(sum, f, s_.sum + voxel);
@@ -115,14 +119,18 @@ class OrdinateKernel {
     const RowOrder<kUpward> order_;
     const std::ptrdiff_t direction_, start_, enters_, leaves_;  // as GroupKernel's
     const VF least_;
-    VF wx_[kOrdinates], wy_[kOrdinates], wz_[kOrdinates], nx_[kOrdinates], ny_[kOrdinates], nz_[kOrdinates];
+    VF wx_[kOrdinates], wy_[kOrdinates], wz_[kOrdinates];
+    VF nx_, ny_, nz_;  // of the normal's bytes, to the geometry term's weight
     VF dark_[kSlices][kOrdinates];
     SliceBytes bytes_;
 };
 
 template<bool kUpward, std::size_t kOrdinates>
 void sweep_ordinates(const OrdinateSweep& sweep) {
-    OrdinateKernel<kUpward, kOrdinates>(sweep).run();
+    if (sweep.lit)
+        OrdinateKernel<kUpward, kOrdinates, true>(sweep).run();
+    else
+        OrdinateKernel<kUpward, kOrdinates, false>(sweep).run();
 }
 
 #endif

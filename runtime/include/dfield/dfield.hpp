@@ -261,7 +261,8 @@ class VolumeField {
                             float* visibility) const {
         check(dfield_volume_visibility_by_rays(context_, &grid_, distance_, &points, rays, seed, visibility));
     }
-    void gather_octants(const std::uint8_t* octants, const dfield_volume_points& points, float* visibility) const {
+    void gather_octants(const std::uint8_t* octants, const dfield_volume_points& points,
+                        float* visibility) const {
         check(dfield_volume_gather_octants(context_, &grid_, distance_, octants, &points, visibility));
     }
     // Of any field on the grid; values and gradients may be null.
