@@ -17,10 +17,9 @@
 #include "format/file.hpp"
 #include "format/hash.hpp"
 #include "format/layout.hpp"
+#include "tests/format/seal.hpp"
 
 namespace dfield::test {
-
-using Bytes = std::vector<std::byte>;
 
 // A copy in a heap block of exactly its size: sanitizers see every read past the end.
 class ExactCopy {
@@ -42,20 +41,6 @@ inline Bytes zstd_frame(std::span<const std::byte> raw, int level = 1) {
     REQUIRE(ZSTD_isError(size) == 0);
     frame.resize(size);
     return frame;
-}
-
-// Checksums of the header, and of the sections that lie within the file.
-inline void seal(Bytes& bytes) {
-    const std::uint32_t count = load_le<std::uint32_t>(&bytes[layout::kSectionCountAt]);
-    if (count > (bytes.size() - layout::kHeaderBytes) / layout::kEntryBytes) return;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        std::byte* entry = &bytes[layout::kHeaderBytes + i * layout::kEntryBytes];
-        const std::uint64_t offset = load_le<std::uint64_t>(entry + layout::kEntryOffsetAt);
-        const std::uint64_t size = load_le<std::uint64_t>(entry + layout::kEntryStoredAt);
-        if (offset <= bytes.size() && size <= bytes.size() - offset)
-            store_le(entry + layout::kEntryChecksumAt, checksum64(std::span(bytes).subspan(offset, size)));
-    }
-    store_le(&bytes[layout::kHeaderChecksumAt], header_checksum(bytes, count));
 }
 
 struct FileEditor {

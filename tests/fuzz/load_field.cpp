@@ -1,49 +1,29 @@
 // libFuzzer: .dfield files behind right checksums, and the raw bytes of line tables and direction maps.
 // Whatever is accepted must be a field that the writer accepts, and come back the same.
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
-#include "format/bytes.hpp"
 #include "format/file.hpp"
-#include "format/hash.hpp"
 #include "format/layout.hpp"
 #include "format/sections.hpp"
 #include "format/writer.hpp"
+#include "tests/format/seal.hpp"
+#include "tests/fuzz/input.hpp"
 
 namespace {
 
 using namespace dfield;
-using Bytes = std::vector<std::byte>;
+using fuzz::require, test::Bytes;
 
 constexpr ReadLimits kLimits{.max_texel_bytes = 1 << 14,
                              .max_self_vertices = 1 << 10,
                              .max_line_bytes = 1 << 12,
                              .max_direction_bytes = 1 << 13};
 
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-// Right checksums of the header and of the sections that lie within the file, or no mutation would get far.
-void seal(Bytes& bytes) {
-    if (bytes.size() < layout::kHeaderBytes) return;
-    store_le(&bytes[layout::kFileBytesAt], std::uint64_t{bytes.size()});
-    const std::uint32_t count = load_le<std::uint32_t>(&bytes[layout::kSectionCountAt]);
-    if (count > (bytes.size() - layout::kHeaderBytes) / layout::kEntryBytes) return;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        std::byte* entry = &bytes[layout::kHeaderBytes + i * layout::kEntryBytes];
-        const std::uint64_t offset = load_le<std::uint64_t>(entry + layout::kEntryOffsetAt);
-        const std::uint64_t size = load_le<std::uint64_t>(entry + layout::kEntryStoredAt);
-        if (offset <= bytes.size() && size <= bytes.size() - offset)
-            store_le(entry + layout::kEntryChecksumAt,
-                     checksum64(std::span<const std::byte>(bytes).subspan(offset, size)));
-    }
-    store_le(&bytes[layout::kHeaderChecksumAt], header_checksum(bytes, count));
-}
-
 void try_file(Bytes bytes) {
-    seal(bytes);
+    if (bytes.size() >= layout::kHeaderBytes)
+        store_le(&bytes[layout::kFileBytesAt], std::uint64_t{bytes.size()});
+    test::seal(bytes);  // or no mutation would get far
     bool valid = true;
     for (const Finding& finding : validate_file(bytes, kLimits))
         valid = valid && finding.severity == Finding::Severity::kWarning;

@@ -1,52 +1,19 @@
 // libFuzzer: transforms, rays and receivers of any bits (NaN, infinities, zero scale, denormals) through the
 // C ABI. Each call answers a status, and queries that succeed give numbers within their ranges.
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdlib>
-#include <iterator>
 #include <vector>
 
 #include "dfield/dfield.hpp"
 #include "format/writer.hpp"
 #include "tests/format/kinds.hpp"
+#include "tests/fuzz/input.hpp"
 
 namespace {
 
 using namespace dfield;
 
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-// Floats out of the input, zeros after its end: mostly small ones, which make invertible matrices and rays
-// that meet the objects, now and then the odd ones, and any bits at all.
-class Input {
-  public:
-    Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-
-    float next() {
-        static constexpr float kOdd[] = {0.0f,   -0.0f,  1.0f,   NAN,   INFINITY, -INFINITY,
-                                         1e-45f, 1e-38f, 1e-20f, 1e20f, -3e38f,   3.4028235e38f};
-        const std::uint8_t choice = byte();
-        if (choice < 224) return static_cast<float>(static_cast<std::int8_t>(byte())) / 16;
-        if (choice < 248) return kOdd[byte() % std::size(kOdd)];
-        std::uint32_t bits = 0;
-        for (int i = 0; i < 4; ++i) bits = bits << 8 | byte();
-        return std::bit_cast<float>(bits);
-    }
-    std::size_t left() const { return size_; }
-
-  private:
-    std::uint8_t byte() {
-        if (size_ == 0) return 0;
-        --size_;
-        return *data_++;
-    }
-
-    const std::uint8_t* data_;
-    std::size_t size_;
-};
+using fuzz::Input, fuzz::require;
 
 struct World {
     Context context;
@@ -77,7 +44,7 @@ struct World {
 
 void query_rays(const dfield_scene* scene, Input& input) {
     std::vector<float> floats(7 * 5);
-    for (float& value : floats) value = input.next();
+    for (float& value : floats) value = input.number();
     const std::size_t stride = 7 * sizeof(float), count = 5;
     const dfield_rays rays{count, &floats[0], stride, &floats[3], stride, &floats[6], stride};
     std::array<float, count> distances;
@@ -93,7 +60,7 @@ void query_rays(const dfield_scene* scene, Input& input) {
 void query_receivers(const dfield_scene* scene, const Ao& ao, Input& input) {
     constexpr std::size_t kCount = 4;
     std::vector<float> floats(6 * kCount);
-    for (float& value : floats) value = input.next();
+    for (float& value : floats) value = input.number();
     dfield_receivers receivers{};
     receivers.count = kCount;
     receivers.positions = &floats[0];
@@ -128,7 +95,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<dfield_instance> instances;
     for (std::size_t i = 0; i < 3; ++i) {
         std::array<float, 16> matrix{};
-        for (std::size_t k = 0; k < 16; ++k) matrix[k] = k % 4 == 3 ? (k == 15 ? 1.0f : 0.0f) : input.next();
+        for (std::size_t k = 0; k < 16; ++k)
+            matrix[k] = k % 4 == 3 ? (k == 15 ? 1.0f : 0.0f) : input.number();
         dfield_instance id = DFIELD_NO_INSTANCE;
         if (instances.size() == 2) {
             dfield_scene_set_transform(scene.get(), instances.front(), matrix.data());
@@ -139,7 +107,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
     }
     std::array<float, 4> ground;
-    for (float& value : ground) value = input.next();
+    for (float& value : ground) value = input.number();
     dfield_scene_set_ground(scene.get(), ground.data());
     const Snapshot snapshot = scene.commit();
     for (int round = 0; round < 4 && input.left() > 0; ++round)

@@ -4,56 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "dfield/dfield.hpp"
+#include "tests/fuzz/input.hpp"
 
 namespace {
 
 using namespace dfield;
 
-void require(bool condition) {
-    if (!condition) std::abort();
-}
-
-class Input {
-  public:
-    Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-
-    bool empty() const { return size_ == 0; }
-    std::uint8_t byte() {
-        if (size_ == 0) return 0;
-        --size_;
-        return *data_++;
-    }
-    // Mostly tame, now and then any bits at all.
-    float number() {
-        static constexpr float kOdd[] = {0.0f,  -0.0f,  1e-40f,   1e-20f,    1e20f,
-                                         3e38f, -3e38f, INFINITY, -INFINITY, NAN};
-        const std::uint8_t kind = byte();
-        if (kind < 200) return static_cast<float>(kind - 100) * 0.05f;
-        if (kind < 200 + std::size(kOdd)) return kOdd[kind - 200];
-        std::array<std::uint8_t, 4> bytes{byte(), byte(), byte(), byte()};
-        float value;
-        std::memcpy(&value, bytes.data(), sizeof value);
-        return value;
-    }
-    std::array<float, 16> transform() {
-        std::array<float, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-        for (std::uint8_t changes = byte() % 8; changes > 0; --changes) {
-            const std::uint8_t at = byte() % 20;  // the last row seldom
-            m[at < 16 ? at : 12 + at % 3] = number();
-        }
-        return m;
-    }
-
-  private:
-    const std::uint8_t* data_;
-    std::size_t size_;
-};
+using fuzz::Input, fuzz::require;
 
 struct Fields {
     Context context;

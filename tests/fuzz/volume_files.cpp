@@ -13,14 +13,13 @@
 #include "baker/error.hpp"
 #include "baker/volume/read_volume.hpp"
 #include "baker/volume/write_nrrd.hpp"
+#include "tests/fuzz/input.hpp"
 
 namespace {
 
 using namespace dfield;
 
-void require(bool condition) {
-    if (!condition) std::abort();
-}
+using fuzz::require;
 
 std::string gzip(const std::string& bytes) {
     z_stream stream{};

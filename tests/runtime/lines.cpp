@@ -15,12 +15,14 @@
 #include "format/hemisphere_map.hpp"
 #include "tests/random.hpp"
 #include "tests/runtime/baked.hpp"
+#include "tests/runtime/placements.hpp"
 #include "tests/shapes.hpp"
 #include "tests/test_data.hpp"
 
 using namespace dfield;
 using test::kIdentity;
 using test::Random;
+using test::ReceiverList;
 
 namespace {
 
@@ -52,23 +54,12 @@ LineParameters filtered(std::uint32_t lattice) {
     return parameters;
 }
 
-struct Points {
-    std::vector<glm::vec3> positions, normals;
-    dfield_receivers view() const {
-        dfield_receivers receivers{};
-        receivers.count = positions.size();
-        receivers.positions = &positions.front().x;
-        receivers.normals = &normals.front().x;
-        return receivers;
-    }
-};
-
 // Three planes behind a box, as the paper's corner: n x n points each, `gap` from the box, which is in front
 // of them.
-Points corner(const Bounds& box, float gap, unsigned n) {
+ReceiverList corner(const Bounds& box, float gap, unsigned n) {
     const glm::vec3 size = box.size();
     const float longest = std::max({size.x, size.y, size.z}), step = 2 * longest / static_cast<float>(n - 1);
-    Points points;
+    ReceiverList points;
     for (int axis = 0; axis < 3; ++axis)
         for (unsigned i = 0; i < n * n; ++i) {
             glm::vec3 p = box.min - glm::vec3(gap * longest), normal(0);
@@ -82,7 +73,7 @@ Points corner(const Bounds& box, float gap, unsigned n) {
 }
 
 std::vector<float> looked_up(const Context& context, const Field& field, const glm::mat4& transform,
-                             const Points& points) {
+                             const ReceiverList& points) {
     Scene scene(context);
     scene.add(field, glm::value_ptr(transform));
     dfield_ao_desc desc = Ao::defaults();
@@ -92,7 +83,8 @@ std::vector<float> looked_up(const Context& context, const Field& field, const g
     return values;
 }
 
-std::vector<float> ray_cast(const TriangleMesh& mesh, const glm::mat4& transform, const Points& points) {
+std::vector<float> ray_cast(const TriangleMesh& mesh, const glm::mat4& transform,
+                            const ReceiverList& points) {
     EmbreeScene scene(EmbreeUse::kFast);
     scene.add_mesh(mesh, transform);
     scene.commit();
@@ -133,7 +125,7 @@ TEST_CASE("Visibility by lines is within its error of ray casting, and filtering
     const Context context;
     const TriangleMesh mesh = clutter();
     for (const float gap : {0.1f, 0.0f}) {
-        const Points points = corner(triangle_bounds(mesh), gap, 18);
+        const ReceiverList points = corner(triangle_bounds(mesh), gap, 18);
         const std::vector<float> reference = ray_cast(mesh, glm::mat4(1), points);
         CHECK(*std::min_element(reference.begin(), reference.end()) < 0.6f);
         const auto error = [&](const LineParameters& parameters) {
@@ -159,7 +151,7 @@ TEST_CASE("Uneven and mirrored scale cost lines no accuracy") {
         const Field field = baked_lines(context, mesh, parameters);
         const auto error = [&](const glm::vec3& scale) {
             const glm::mat4 transform = placement(scale);
-            const Points points = corner(transformed_bounds(mesh, transform), 0.1f, 17);
+            const ReceiverList points = corner(transformed_bounds(mesh, transform), 0.1f, 17);
             return rms_grey(looked_up(context, field, transform, points), ray_cast(mesh, transform, points));
         };
         const double plain = error(glm::vec3(1.3f));
@@ -176,7 +168,7 @@ TEST_CASE("Receivers whose tangent plane cuts the object need depths") {
     const Context context;
     const TriangleMesh mesh = clutter();
     Random random(5);
-    Points points;  // in the gap between the parts and around them
+    ReceiverList points;  // in the gap between the parts and around them
     while (points.positions.size() < 600) {
         const glm::vec3 p(random.uniform(-1.2, 1.1), random.uniform(-0.6, 0.6), random.uniform(-0.7, 0.7));
         const glm::vec3 ball = p - glm::vec3(-0.6f, 0, 0.1f);
@@ -286,7 +278,7 @@ TEST_CASE("Kernels and plain lookups of lines agree") {
     const Context plain(&desc), fast;
     const TriangleMesh mesh = clutter();
     Random random(7);
-    Points points;
+    ReceiverList points;
     for (int i = 0; i < 400; ++i) {
         points.positions.emplace_back(random.direction() * random.uniform(0.9, 2.5));
         points.normals.emplace_back(random.direction());
@@ -330,7 +322,7 @@ TEST_CASE("The default table shows the bunny within 2.2 grey, and a filtered one
     if (!path) return;
     const Context context;
     const TriangleMesh mesh = flatten_scene(import_scene(*path));
-    const Points points = corner(triangle_bounds(mesh), 0.1f, 33);
+    const ReceiverList points = corner(triangle_bounds(mesh), 0.1f, 33);
     const std::vector<float> reference = ray_cast(mesh, glm::mat4(1), points);
     const Field standard = baked_lines(context, mesh, {});
     CHECK(standard.info().memory_bytes < 60000);

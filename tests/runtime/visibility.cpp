@@ -8,24 +8,15 @@
 
 #include "tests/random.hpp"
 #include "tests/runtime/baked.hpp"
+#include "tests/runtime/placements.hpp"
 #include "tests/shapes.hpp"
 
 using namespace dfield;
 using test::kIdentity;
 using test::Random;
+using test::ReceiverList;
 
 namespace {
-
-struct Points {
-    std::vector<glm::vec3> positions, normals;
-    dfield_receivers view() const {
-        dfield_receivers receivers{};
-        receivers.count = positions.size();
-        receivers.positions = &positions.front().x;
-        receivers.normals = &normals.front().x;
-        return receivers;
-    }
-};
 
 std::vector<float> visible(const Scene& scene, const Ao& ao, const dfield_receivers& receivers) {
     std::vector<float> values(receivers.count);
@@ -39,9 +30,9 @@ TriangleMesh clutter() {
     return mesh;
 }
 
-Points around(std::size_t count, double nearest, double farthest) {
+ReceiverList around(std::size_t count, double nearest, double farthest) {
     Random random(41);
-    Points points;
+    ReceiverList points;
     for (std::size_t i = 0; i < count; ++i) {
         points.positions.emplace_back(random.direction() * random.uniform(nearest, farthest));
         points.normals.emplace_back(random.direction());
@@ -59,7 +50,7 @@ TEST_CASE("A ball over a receiver hides (r/h)^2 of its sky") {
     dfield_ao_desc desc = Ao::defaults();
     desc.ray_count = 4096;
     const Ao ao(context, desc);
-    Points points;
+    ReceiverList points;
     for (const float h : {1.5f, 2.0f, 3.0f, 6.0f}) {
         points.positions.push_back({0, 0, -h});
         points.normals.push_back({0, 0, 3});  // any length
@@ -76,7 +67,7 @@ TEST_CASE("A ball over a receiver hides (r/h)^2 of its sky") {
 
 TEST_CASE("The fast path agrees with Algorithm 2 of the paper") {
     const Context context;
-    const Points points = around(600, 0.1, 3);
+    const ReceiverList points = around(600, 0.1, 3);
     for (const std::uint32_t bits : {1u, 8u, 16u, 32u})
         for (const bool falloff : {false, true}) {
             const Field field = test::baked(context, clutter(), 16, 16, bits);
@@ -111,7 +102,7 @@ TEST_CASE("The fast path agrees with Algorithm 2 of the paper") {
 TEST_CASE("Masks count to the visibility and combine by OR") {
     const Context context;
     const Field field = test::baked(context, clutter(), 16, 16);
-    const Points points = around(200, 1.3, 3);
+    const ReceiverList points = around(200, 1.3, 3);
     float moved[16];
     std::copy(kIdentity, kIdentity + 16, moved);
     moved[12] = 2.5f;
@@ -149,7 +140,7 @@ TEST_CASE("Owners are not shadowed by their own field, and self-visibility is mu
     std::copy(kIdentity, kIdentity + 16, moved);
     moved[12] = 2.2f;
     const dfield_instance other = scene.add(field, moved);
-    const Points points = around(100, 0.2, 1);
+    const ReceiverList points = around(100, 0.2, 1);
     const Ao ao(context);
     Scene without(context);
     without.add(field, moved);
@@ -171,7 +162,7 @@ TEST_CASE("Ground hides the lower half and buries what lies below it") {
     const float ground[4] = {0, 1, 0, 0};
     scene.set_ground(ground);
     const Ao ao(context);
-    Points points;
+    ReceiverList points;
     points.positions = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {0, -1e-6f, 0}, {0, -1, 0}};
     points.normals = {{0, 1, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, -1, 0}};
     const auto values = visible(scene, ao, points.view());
@@ -203,7 +194,7 @@ TEST_CASE("A user's directions and weights are the integral") {
     const float normal[3] = {1, 0, 0};
     dfield_frame(normal, tangent, bitangent);
     CHECK(tangent[2] == -1);
-    Points points;
+    ReceiverList points;
     points.positions = {{0, 0, 1}};
     points.normals = {{1, 0, 0}};
     CHECK(visible(scene, ao, points.view())[0] == Approx(0.5));
@@ -219,7 +210,7 @@ TEST_CASE("Contact: an object that touches the receivers' plane hides as it shou
         dfield_ao_desc desc = Ao::defaults();
         desc.ray_count = 1024;
         const Ao ao(context, desc);
-        Points points;
+        ReceiverList points;
         for (const float x : {1.0001f, 1.05f, 1.5f, 3.0f}) {
             points.positions.push_back({x, 0, 0});
             points.normals.push_back({0, 0, 1});
@@ -250,7 +241,7 @@ TEST_CASE("Results do not depend on how a batch is split or on threads") {
         for (std::thread& thread : threads) thread.join();
     };
     const Context threaded(&hooks), plain;
-    const Points points = around(333, 0.2, 3);
+    const ReceiverList points = around(333, 0.2, 3);
     std::vector<float> results[2];
     for (const Context* context : {&threaded, &plain}) {
         const Field field = test::baked(*context, clutter(), 16, 16);
