@@ -7,5 +7,7 @@ namespace dfield::cli {
 
 void add_volume_info_command(CLI::App& volume);
 void add_volume_render_command(CLI::App& volume);
+void add_volume_sweep_command(CLI::App& volume);
+void add_volume_compare_command(CLI::App& volume);
 
 }  // namespace dfield::cli

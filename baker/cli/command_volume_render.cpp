@@ -3,6 +3,7 @@
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/volume_input.hpp"
+#include "baker/cli/volume_sweep.hpp"
 #include "baker/error.hpp"
 #include "baker/volume/render_volume.hpp"
 
@@ -13,6 +14,9 @@ struct RenderCommand {
     VolumeInput input;
     std::string output, transfer_file, visibility_file;
     bool surface = false, unshaded = false;
+    std::optional<float> isovalue;
+    std::string shading = "both";
+    SweepOptions sweep;
     std::array<float, 3> view{0.6f, -1, 0.45f}, up{0, 0, 1}, light{}, background{1, 1, 1};
     float fov = 35, visibility_offset = 0;
     double step = 0, reference_length = 0;
@@ -50,51 +54,85 @@ std::vector<float> read_visibility(const std::string& file, const Volume& volume
     return values;
 }
 
+// What is drawn: the volume's values or an isosurface's distances, and visibility where it darkens them.
+struct Shown {
+    std::vector<float> values, visibility;
+};
+
+Shown swept(RenderCommand& command, const Volume& volume) {
+    const dfield_sweep_desc desc = sweep_desc(command.sweep, *command.isovalue);
+    const VolumeSweeper sweeper(command.input.file, volume, *command.isovalue, command.common.threads);
+    Shown shown{std::vector<float>(volume.grid.voxels()), {}};
+    dfield_sweep_outputs outputs = no_sweep_outputs();
+    outputs.distance = shown.values.data();
+    if (command.shading != "local") {
+        shown.visibility.resize(volume.grid.voxels());
+        outputs.visibility = shown.visibility.data();
+    }
+    sweeper.sweep(desc, outputs);
+    // Intensities above 1 may lead above 1.
+    for (float& value : shown.visibility) value = std::min(value, 1.0f);
+    return shown;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 void run(RenderCommand& command) {
     check_picture(command.output);
-    if (command.surface == !command.transfer_file.empty())
-        throw Error(ExitCode::kUsage, "give either --tf FILE or --surface");
+    const std::optional<float>& isovalue = command.isovalue;
+    if (int{command.surface} + int{!command.transfer_file.empty()} + int{isovalue.has_value()} != 1)
+        throw Error(ExitCode::kUsage, "give one of --iso VALUE, --tf FILE or --surface");
     if (vector_of(command.view) == glm::vec3(0) || vector_of(command.up) == glm::vec3(0))
         throw Error(ExitCode::kUsage, "--view and --up: 0 0 0 is no direction");
     std::optional<TransferFunction> transfer;
-    if (!command.surface) transfer = read_transfer_function(command.transfer_file);
+    if (!command.transfer_file.empty()) transfer = read_transfer_function(command.transfer_file);
     const Volume volume = read_volume_input(command.input);
-    const std::vector<float> values = float_values(volume);
-    std::vector<float> visibility;
-    if (!command.visibility_file.empty()) visibility = read_visibility(command.visibility_file, volume);
+    const auto sweeping = std::chrono::steady_clock::now();
+    Shown shown = isovalue ? swept(command, volume) : Shown{float_values(volume), {}};
+    const double seconds_sweep = seconds_since(sweeping);
+    if (!command.visibility_file.empty()) shown.visibility = read_visibility(command.visibility_file, volume);
 
     command.picture.threads = command.common.threads;
     command.picture.background = vector_of(command.background);
     const Camera camera =
         frame_volume(volume.grid, vector_of(command.view), vector_of(command.up), command.fov,
                      static_cast<float>(command.picture.width) / static_cast<float>(command.picture.height));
-    const ScalarField field{volume.grid, values};
-    const auto start = std::chrono::steady_clock::now();
+    const ScalarField field{volume.grid, shown.values};
+    const bool local = !command.unshaded && !(isovalue && command.shading == "ao");
+    const auto drawing = std::chrono::steady_clock::now();
     Image image;
-    if (command.surface)
-        image = render_isosurface(field, camera,
-                                  {.local = !command.unshaded,
-                                   .light = vector_of(command.light),
-                                   .visibility = visibility,
-                                   .visibility_offset = command.visibility_offset},
-                                  command.picture);
-    else
+    if (transfer)
         image = render_volume(field, *transfer, camera,
                               {.reference_length = command.reference_length,
                                .step = command.step,
-                               .local = !command.unshaded,
+                               .local = local,
                                .light = vector_of(command.light),
-                               .visibility = visibility},
+                               .visibility = shown.visibility},
                               command.picture);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    else
+        image = render_isosurface(field, camera,
+                                  {.local = local,
+                                   .light = vector_of(command.light),
+                                   .visibility = shown.visibility,
+                                   .visibility_offset = command.visibility_offset},
+                                  command.picture);
+    const double seconds = seconds_since(drawing);
     write_png(command.output, image);
     say(command.common.json,
-        text("%s: %u x %u pixels, %.2f s", command.output.c_str(), image.width, image.height, seconds));
+        text("%s: %u x %u pixels, %.2f s", command.output.c_str(), image.width, image.height, seconds) +
+            (isovalue ? text(" and %.2f s to sweep", seconds_sweep) : ""));
     Json json = volume_json(command.input, volume);
     json["image"] = command.output;
     json["width"] = image.width;
     json["height"] = image.height;
     json["seconds"] = significant(seconds);
+    if (isovalue) {
+        json["iso"] = significant(*isovalue, 7);
+        json["shading"] = command.shading;
+        json["seconds_sweep"] = significant(seconds_sweep);
+    }
     write_json_report(command.common.json, json);
 }
 
@@ -102,6 +140,7 @@ CLI::Option* add_vector(CLI::App& app, const std::string& name, std::array<float
                         const std::string& description) {
     return app.add_option(name, value, description)
         ->type_name("X Y Z")
+        ->delimiter(',')
         ->check(finite_number())
         ->group("Picture");
 }
@@ -111,24 +150,37 @@ CLI::Option* add_vector(CLI::App& app, const std::string& name, std::array<float
 void add_volume_render_command(CLI::App& volume) {
     auto command = std::make_shared<RenderCommand>();
     CLI::App* render =
-        volume.add_subcommand("render", "A picture of a volume, or of a distance field's surface");
+        volume.add_subcommand("render", "A picture of a volume, of its isosurface, or of a distance field's");
     add_volume_input(*render, command->input);
     render->add_option("-o,--output", command->output, "The picture, a PNG")->required();
+    CLI::Option* iso =
+        render->add_option("--iso", command->isovalue, "Draw the surface of this isovalue, swept beforehand")
+            ->check(finite_number());
+    render
+        ->add_option("--shading", command->shading,
+                     "--iso: local (Lambert), ao (ambient occlusion) or both, multiplied")
+        ->capture_default_str()
+        ->transform(CLI::IsMember({"local", "ao", "both"}, CLI::ignore_case))
+        ->needs(iso);
+    add_sweep_options(*render, command->sweep);
+    for (const char* flag : {"--form", "--octants", "--intensity", "--gamma", "--alpha"})
+        render->get_option(flag)->needs(iso);
     render->add_option(
         "--tf", command->transfer_file,
         "Transfer function: JSON {\"points\": [[value, opacity], ...], \"colors\": [[value, red, "
         "green, blue], ...]}, piecewise linear; opacities are of layers --reference-length thick");
     render->add_flag("--surface", command->surface,
                      "FILE is a signed distance field (positive outside, world units): draw where it is 0");
-    render->add_option(
-        "--visibility", command->visibility_file,
-        "A volume of the same size, 0 to 1 (u8 and u16: to 255 and 65535), that darkens FILE's");
+    render
+        ->add_option("--visibility", command->visibility_file,
+                     "A volume of the same size, 0 to 1 (u8 and u16: to 255 and 65535), that darkens FILE's")
+        ->excludes(iso);
     render
         ->add_option("--visibility-offset", command->visibility_offset,
-                     "--surface: voxels along the normal at which visibility is read")
+                     "--surface, --iso: voxels along the normal at which visibility is read")
         ->capture_default_str()
         ->check(number_between(-8, 8));
-    render->add_flag("--unshaded", command->unshaded, "No shading by the gradient");
+    render->add_flag("--unshaded", command->unshaded, "No shading by the gradient")->excludes(iso);
     render
         ->add_option("--reference-length", command->reference_length,
                      "World units that opacities are of; default: the smallest spacing")

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
         "  dfield bake models/*.glb -o baked/             a folder of them; unchanged ones are skipped\n"
         "  dfield ao room.glb -o room-ao.glb              ambient occlusion at every vertex of a scene\n"
         "  dfield volume info brain.nii.gz                size, type and place of a volume\n"
+        "  dfield volume sweep ct.nrrd --iso 500 -o ao.nrrd  ambient occlusion of its isosurface\n"
         "  dfield compare --caster bunny.obj --image c.png  lookup against ray casting, numbers and "
         "pictures\n"
         "\n"

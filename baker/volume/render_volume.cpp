@@ -211,7 +211,9 @@ Image render_isosurface(const ScalarField& field, const Camera& camera, const Is
             grey = style.ambient +
                    (1 - style.ambient) *
                        std::max(0.0f, glm::dot(normal, light_of(style.light, ray->world_direction)));
-        if (visibility)
+        // The grid's border cuts the matter open to what is outside, which hides nothing.
+        const bool open = cut && ray->face != glm::vec3(0);
+        if (visibility && !open)
             grey *= std::clamp((*visibility)(index + style.visibility_offset * frame.voxel_along(normal)),
                                0.0f, 1.0f);
         return grey * style.albedo;

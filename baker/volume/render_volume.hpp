@@ -26,7 +26,8 @@ struct IsosurfaceStyle {
     float ambient = 0.25f;  // 0..1
     glm::vec3 light{0};     // towards the light, in the world; 0: from the eye
     glm::vec3 albedo{1};
-    // Per voxel of the distance field's grid, 0..1: multiplies the colour. Empty: 1 everywhere.
+    // Per voxel of the distance field's grid, 0..1: multiplies the colour, but where the grid's border cuts
+    // the matter: all is open there. Empty: 1 everywhere.
     std::span<const float> visibility{};
     float visibility_offset = 0;  // voxels along the normal at which visibility is sampled
 };

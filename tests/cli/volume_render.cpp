@@ -86,6 +86,37 @@ TEST_CASE("volume render draws a surface and a volume") {
     CHECK(green.at(0, 0)[0] == 255);
 }
 
+TEST_CASE("volume render --iso: as the swept volumes' picture") {
+    const Shell shell;
+    // Inside is what is high: the ball with a crater that faces the eye.
+    shell.write("crater.nrrd", nrrd("float", cube<float>([](int x, int y, int z) {
+                                        return std::min(-distance_to_sphere(x, y, z),
+                                                        distance_to_sphere(x - 4, y + 7, z - 3) + 3);
+                                    })));
+    REQUIRE(shell.run({"volume", "sweep", "crater.nrrd", "--iso", "0", "-o", "ao.nrrd", "--sdf", "sdf.nrrd"})
+                .exit_code == 0);
+    const Arguments ways[] = {{"--shading", "local"}, {"--shading", "ao"}, {}};
+    const Arguments same[] = {{}, {"--unshaded", "--visibility", "ao.nrrd"}, {"--visibility", "ao.nrrd"}};
+    for (int i = 0; i < 3; ++i) {
+        Arguments swept{"crater.nrrd", "--iso", "0", "-o", "a.png", "--json", "-"};
+        swept.insert(swept.end(), ways[i].begin(), ways[i].end());
+        const Run run = shell.run(render(swept));
+        INFO(run.err);
+        REQUIRE(run.exit_code == 0);
+        CHECK(run.json()["iso"] == 0);
+        CHECK(run.json()["seconds_sweep"] > 0);
+        Arguments drawn{"sdf.nrrd", "--surface", "-o", "b.png"};
+        drawn.insert(drawn.end(), same[i].begin(), same[i].end());
+        REQUIRE(shell.run(render(drawn)).exit_code == 0);
+        const Image a = dfield::read_png(shell.folder() / "a.png");
+        const Image b = dfield::read_png(shell.folder() / "b.png");
+        CHECK(a.rgb == b.rgb);
+        const auto [least, most] = std::minmax_element(a.rgb.begin(), a.rgb.end());
+        CHECK(int{*least} < 230);  // not the background alone
+        CHECK(int{*most} == 255);
+    }
+}
+
 TEST_CASE("volume render: mistakes") {
     const Shell shell;
     shell.write("sdf.nrrd", nrrd("float", cube<float>(distance_to_sphere)));
@@ -101,6 +132,12 @@ TEST_CASE("volume render: mistakes") {
     for (const auto& [more, exit_code, said] : std::vector<Mistake>{
              {{"sdf.nrrd", "--surface"}, 2, "--output is required"},
              {{"sdf.nrrd", "-o", "a.png"}, 2, "--tf FILE or --surface"},
+             {{"sdf.nrrd", "--surface", "--iso", "0", "-o", "a.png"}, 2, "--tf FILE or --surface"},
+             {{"sdf.nrrd", "--iso", "99", "-o", "a.png"}, 2, "no surface there"},
+             {{"sdf.nrrd", "--iso", "0", "--shading", "some", "-o", "a.png"}, 2, "--shading"},
+             {{"sdf.nrrd", "--surface", "--shading", "ao", "-o", "a.png"}, 2, "--iso"},
+             {{"sdf.nrrd", "--surface", "--form", "paper", "-o", "a.png"}, 2, "--iso"},
+             {{"sdf.nrrd", "--iso", "0", "--unshaded", "-o", "a.png"}, 2, "--unshaded"},
              {{"sdf.nrrd", "--surface", "--tf", "tf.json", "-o", "a.png"}, 2, "--tf FILE or --surface"},
              {{"sdf.nrrd", "--surface", "-o", "a.jpg"}, 2, ".png"},
              {{"sdf.nrrd", "--surface", "-o", "a.png", "--view", "0", "0", "0"}, 2, "no direction"},

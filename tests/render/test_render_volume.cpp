@@ -153,6 +153,10 @@ TEST_CASE("matter that the grid cuts is seen at the cut, and empty grids are not
     // The near face, 20 x 20 world units at distance 95.
     const double plane = 2 * std::tan(glm::radians(17.5));
     CHECK(mean_grey(full) / 255 == Approx(20.0 / 95 * 20 / 95 / (plane * plane * 4 / 3)).epsilon(0.01));
+    // Beyond the border all is open, whatever is known of the inside.
+    const std::vector<float> dark(grid.voxels(), 0.0f);
+    CHECK(render_isosurface({grid, inside}, kCamera, {.local = false, .visibility = dark}, small(4)).rgb ==
+          full.rgb);
     const Image shaded =
         render_isosurface({grid, inside}, kCamera, {.ambient = 0, .light = {0, -3, 4}}, small());
     CHECK(shaded.at(80, 60)[0] == Approx(255 * 0.6).margin(1));  // the face's normal, -y
