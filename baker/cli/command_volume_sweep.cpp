@@ -95,12 +95,14 @@ void run(SweepCommand& command) {
     const VolumeSweeper sweeper(command.input.file, volume, command.isovalue, command.common.threads);
 
     std::vector<float> distance(grid.voxels()), visibility(grid.voxels());
-    std::vector<std::uint8_t> octants(command.octants_file.empty() ? 0 : 8 * grid.voxels());
+    // The paper's form needs them in any case; here, runs share the memory.
+    const bool octants_swept = !command.octants_file.empty() || (desc.form == DFIELD_FORM_PAPER && !lit);
+    std::vector<std::uint8_t> octants(octants_swept ? 8 * grid.voxels() : 0);
     dfield_sweep_outputs alone = no_sweep_outputs();
     alone.distance = distance.data();
     dfield_sweep_outputs all = alone;
     all.visibility = visibility.data();
-    if (!octants.empty()) all.octants = octants.data();
+    if (octants_swept) all.octants = octants.data();
     double seconds = sweeper.sweep(desc, all), seconds_distance = 0;
     if (!command.common.json.empty()) {
         seconds_distance = sweeper.sweep(desc, alone);
@@ -114,7 +116,7 @@ void run(SweepCommand& command) {
     if (!command.distance_file.empty())
         write_floats(command.distance_file, grid, distance,
                      {.gzip = command.gzip, .content = "distance to the isosurface, below 0 inside"});
-    if (!octants.empty()) write_octants(command, grid, octants);
+    if (!command.octants_file.empty()) write_octants(command, grid, octants);
 
     const double rate = static_cast<double>(grid.voxels()) / seconds;
     say(command.common.json, text("%s: %s voxels, %.3g s, %svoxel/s on %d thread%s", command.output.c_str(),
@@ -134,7 +136,7 @@ void run(SweepCommand& command) {
     json["overhead_fraction"] = significant(occlusion / seconds_distance);
     json["output"] = command.output.string();
     if (!command.distance_file.empty()) json["sdf"] = command.distance_file.string();
-    if (!octants.empty()) json["octant_volume"] = command.octants_file.string();
+    if (!command.octants_file.empty()) json["octant_volume"] = command.octants_file.string();
     write_json_report(command.common.json, json);
 }
 
