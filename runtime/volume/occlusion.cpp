@@ -23,7 +23,7 @@ namespace dfield::runtime::volume::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
 class OcclusionSweeps {
-    enum Stage : std::size_t { kLoad, kSweep0, kSweep1, kSweep2, kSweep3, kStore, kStages };
+    enum Stage : std::size_t { kLoad, kSweep0, kSweep1, kSweep2, kSweep3, kStore, kMove, kStages };
 
   public:
     explicit OcclusionSweeps(const OcclusionJob& job)
@@ -31,13 +31,17 @@ class OcclusionSweeps {
           grid_(job.grid),
           shape_(job.grid),
           lit_(std::any_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i != 1; })),
-          pipeline_(job.context, (job.grid.nz + kSlices - 1) / kSlices, {kSlices, 1, 1, 1, 1, kSlices}) {
+          pipeline_(job.context, slabs(), {kSlices, 1, 1, 1, 1, kSlices, kSlices}),
+          off_surface_(job.grid, job.distance) {
         dfield_context* const context = job.context;
         const std::size_t slab = pipeline_.ring() * shape_.slab_floats(),
                           layer = shape_.slice_stride * kLanes;
-        for (Buffer<std::uint32_t>& vertices : vertices_)
-            vertices = Buffer<std::uint32_t>(context, slab, kOpenVertex);
-        for (Buffer<float>& sums : sums_) sums = Buffer<float>(context, slab, 0.0f);
+        for (std::size_t i = 0; i < 2; ++i) {
+            vertices_[i] = Buffer<std::uint32_t>(context, slab, kOpenVertex);
+            if (job.visibility) sums_[i] = Buffer<float>(context, slab);
+        }
+        words_ = Buffer<std::uint32_t>(context, grid_.size());
+        if (moves()) swept_ = Buffer<float>(context, kKept * grid_.nx * grid_.ny);
         below_ = Buffer<float>(context, 4 * job.ordinates * layer);
         border_ = Buffer<float>(context, 4 * job.ordinates * kSlices * row());
         rows_ = Buffer<float>(context, workers() * kRowSets * kLanes * shape_.row_stride, 0.0f);
@@ -53,16 +57,24 @@ class OcclusionSweeps {
                     load(slab, part);
                 else if (stage == kStore)
                     store(slab, part);
-                else
+                else if (stage != kMove)
                     sweep(slab, stage - kSweep0);
+                else if (down_ && moves())
+                    move(slab, part);
             });
         }
-        if (job_.visibility && job_.off_surface)
-            OffSurface(grid_, job_.distance, job_.visibility).run(job_.context);
     }
 
   private:
     static constexpr std::size_t kRowSets = 4;
+    // Slices of swept visibility that wait to be moved off the surface, by the order in which the second pass
+    // meets them: a slab is moved with the slices around it while the next one may be stored.
+    static constexpr std::size_t kKept = 3 * kSlices;
+    static_assert(2 * OffSurface::kReach <= kSlices);
+
+    std::size_t slabs() const { return (job_.grid.nz + kSlices - 1) / kSlices; }
+    bool moves() const { return job_.visibility && job_.off_surface; }
+    float* kept(std::size_t z) const { return swept_ + (grid_.nz - 1 - z) % kKept * grid_.nx * grid_.ny; }
 
     std::size_t workers() const { return pipeline_.parallel() ? 2 * kSlices : 1; }
     std::size_t row() const { return Shape::row_size(grid_.nx); }
@@ -97,30 +109,39 @@ class OcclusionSweeps {
                     load_row(y, z, row);
             }
             const std::size_t at = offset_of(slab) + shape_.at(part, group);
-            for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
-                const auto layout = static_cast<std::size_t>(skew);
-                skew_rows(shape_, skew, rows, reinterpret_cast<float*>(vertices_[layout] + at));
-                std::fill_n(sums_[layout] + at, 4 * shape_.blocks * kLanes, 0.0f);
-            }
+            for (const Skew skew : {Skew::kFalling, Skew::kRising})
+                skew_rows(shape_, skew, rows,
+                          reinterpret_cast<float*>(vertices_[static_cast<std::size_t>(skew)] + at));
         }
     }
 
-    // A row's words.
+    // A row's words: made in the first pass, kept for the second.
     void load_row(std::size_t y, std::size_t z, std::uint32_t* out) const {
+        std::uint32_t* const words = words_ + grid_.index(0, y, z);
+        if (!down_) make_words(y, z, words);
+        std::copy_n(words, grid_.nx, out);
+    }
+
+    void make_words(std::size_t y, std::size_t z, std::uint32_t* out) const {
         const RowGradient row(grid_, job_.distance, y, z);
         row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const hn::RebindToUnsigned<decltype(tag)> u32;
             const auto g = row.at(tag, x);
             const auto some = hn::Gt(g.square, hn::Zero(tag));
-            const auto scale = hn::IfThenElseZero(
-                some, hn::Mul(hn::ApproximateReciprocalSqrt(g.square), hn::Set(tag, kNormalScale)));
+            const auto inverse = hn::IfThenElseZero(some, hn::ApproximateReciprocalSqrt(g.square));
+            const auto scale = hn::Mul(inverse, hn::Set(tag, kNormalScale));
             // Added to 3 * 2^22, a number's last bits are its nearest integer's, negative ones too.
             const auto magic = hn::Set(tag, 0x3p22f);
             const auto component = [&](auto along) HWY_ATTR {
                 return hn::BitCast(u32, hn::MulAdd(hn::IfThenElseZero(some, along), scale, magic));
             };
-            const auto tau = hn::MulAdd(hn::LoadU(tag, row.here() + x), hn::Set(tag, 1 / grid_.h()),
-                                        hn::Set(tag, job_.shift));
+            const auto d = hn::LoadU(tag, row.here() + x);
+            const auto length = hn::IfThenElseZero(some, hn::Mul(g.square, inverse));
+            const auto deeper = hn::IfThenElseZero(
+                hn::Le(d, hn::Zero(tag)), hn::Max(hn::Sub(hn::Set(tag, 1.0f), length), hn::Zero(tag)));
+            const auto tau =
+                hn::MulAdd(d, hn::Set(tag, 1 / grid_.h()),
+                           hn::NegMulAdd(deeper, hn::Set(tag, job_.thin), hn::Set(tag, job_.shift)));
             const auto opacity =
                 hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
             const auto open = hn::BitCast(
@@ -132,11 +153,21 @@ class OcclusionSweeps {
         });
     }
 
-    void sweep(std::size_t slab, std::size_t index) {
+    bool is_swept(std::size_t index) const {
         const std::size_t octant = octant_of(index);
-        const float intensity = job_.intensities[octant];
-        if (intensity == 0 && !job_.octants) return;
-        if (job_.only < kOctants && job_.only != octant) return;
+        return (job_.intensities[octant] != 0 || job_.octants) &&
+               (job_.only == kOctants || job_.only == octant);
+    }
+    // Whether octant `index` of this pass, or one before it, has sums in this layout.
+    bool has_sums(Skew skew, std::size_t index) const {
+        for (std::size_t i = 0; i <= index; ++i)
+            if (skew_of(octant_of(i)) == skew && is_swept(i)) return true;
+        return false;
+    }
+
+    void sweep(std::size_t slab, std::size_t index) {
+        if (!is_swept(index)) return;
+        const float intensity = job_.intensities[octant_of(index)];
         if (job_.ordinates == 1)
             sweep_rows<1>(slab, index, intensity);
         else if (job_.ordinates == 3)
@@ -163,12 +194,13 @@ class OcclusionSweeps {
         s.weight = intensity / (static_cast<float>(kOctants * kOrdinates) * (job_.through ? 0.5f : 0.25f));
         s.lit = lit_;
         s.through = job_.through;
+        s.first = index == 0 || !has_sums(skew_of(octant), index - 1);
         const bool upward = s.direction.y > 0;
         for (std::size_t i = 0; i < shape_.groups; ++i) {
             const std::size_t group = upward ? i : shape_.groups - 1 - i;
             const std::size_t at = offset_of(slab) + shape_.at(0, group);
             s.vertices = vertices_[layout] + at;
-            s.sum = sums_[layout] + at;
+            if (job_.visibility) s.sum = sums_[layout] + at;
             s.below = below_ + index * kOrdinates * layer + shape_.at(0, group);
             if (visibility_) s.visibility = words_of(slab, group, index);
             if (upward)
@@ -197,30 +229,55 @@ class OcclusionSweeps {
         for (std::size_t group = 0; group < shape_.groups; ++group) {
             const std::size_t at = offset_of(slab) + shape_.at(part, group);
             for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
+                float* const to = skew == Skew::kFalling ? rows : rising;
+                if (!has_sums(skew, 3)) {
+                    std::fill_n(to - Shape::kPad, kLanes * shape_.row_stride, 0.0f);
+                    continue;
+                }
                 const float* const from = sums_[static_cast<std::size_t>(skew)] + at;
                 unskew_rows(
                     shape_, skew,
                     [from](std::ptrdiff_t t)
                         HWY_ATTR { return hn::Load(F(), from + t * static_cast<std::ptrdiff_t>(kLanes)); },
-                    skew == Skew::kFalling ? rows : rising);
+                    to);
             }
-            for (std::size_t l = 0; l < std::min(kLanes, grid_.ny - group * kLanes); ++l)
-                add_row(rows + l * shape_.row_stride, rising + l * shape_.row_stride,
-                        job_.visibility + grid_.index(0, group * kLanes + l, z));
+            for (std::size_t l = 0; l < std::min(kLanes, grid_.ny - group * kLanes); ++l) {
+                const std::size_t y = group * kLanes + l;
+                float* const visibility = job_.visibility + grid_.index(0, y, z);
+                add_row(rows + l * shape_.row_stride, rising + l * shape_.row_stride, visibility,
+                        down_ && moves() ? kept(z) + y * grid_.nx : visibility);
+            }
         }
     }
 
     // Both layouts' sums, and in the second pass the first one's, to visibility.
-    void add_row(const float* a, const float* b, float* out) const {
+    void add_row(const float* a, const float* b, const float* before, float* out) const {
         const auto row = [&](const auto& finish) {
-            for (std::size_t x = 0; x < grid_.nx; ++x) out[x] = finish(out[x], a[x] + b[x]);
+            for (std::size_t x = 0; x < grid_.nx; ++x) out[x] = finish(before[x], a[x] + b[x]);
         };
         if (!down_)
             row([](float, float sum) { return sum; });
         else if (lit_)
-            row([](float before, float sum) { return before + sum; });
+            row([](float first, float sum) { return first + sum; });
         else
-            row([](float before, float sum) { return std::max(0.0f, 1 - (before + sum)); });
+            row([](float first, float sum) { return std::max(0.0f, 1 - (first + sum)); });
+    }
+
+    // The slices that the second pass met kReach before this slab's, which now have all their neighbours.
+    void move(std::size_t slab, std::size_t part) const {
+        const std::size_t met = slab * kSlices + part;
+        if (met >= OffSurface::kReach) move_slice(met - OffSurface::kReach);
+        if (slab + 1 == slabs() && part < OffSurface::kReach) move_slice(met + kSlices - OffSurface::kReach);
+    }
+    void move_slice(std::size_t met) const {
+        if (met >= grid_.nz) return;
+        const std::size_t z = grid_.nz - 1 - met;
+        OffSurface::Slices slices{};
+        for (std::size_t i = 0; i < slices.size(); ++i)
+            if (z + i >= OffSurface::kReach && z + i < grid_.nz + OffSurface::kReach)
+                slices[i] = kept(z + i - OffSurface::kReach);
+        for (std::size_t y = 0; y < grid_.ny; ++y)
+            off_surface_.move_row(y, z, slices, job_.visibility + grid_.index(0, y, z));
     }
 
     const OcclusionJob& job_;
@@ -228,10 +285,12 @@ class OcclusionSweeps {
     const Shape shape_;
     const bool lit_;
     const SlabPipeline<kStages> pipeline_;
+    const OffSurface off_surface_;
     bool down_ = false;
     std::array<Buffer<std::uint32_t>, 2> vertices_;  // by Skew
     std::array<Buffer<float>, 2> sums_;
-    Buffer<float> below_, border_, rows_;
+    Buffer<float> below_, border_, rows_, swept_;
+    Buffer<std::uint32_t> words_;  // of all voxels
     Buffer<std::uint32_t> visibility_;
 };
 

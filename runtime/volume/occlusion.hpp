@@ -1,11 +1,15 @@
-// The improved form of occlusion sweeping, over a finished distance field. Three mends to the paper's:
+// The improved form of occlusion sweeping, over a finished distance field. Four mends to the paper's:
 // - several fields an octant, each with weights of its own in equation 6, so that they collapse onto several
 //   directions instead of the octant's diagonal; equation 5's geometry term becomes a sum over these
 //   ordinates;
-// - a transmittance that is 1 from D >= 0 on (tau = D / h + 5/4 within [0, 1]), so that flat walls do not
-// darken
-//   themselves; it reads D well below -h/2, which only the finished field has;
-// - for the same reason the result of a voxel near the surface is taken a little off it, along the normal.
+// - a transmittance that is 1 from a little below the surface on (tau = D / h + 5/4 within [0, 1]), so that
+//   flat walls do not darken themselves; it reads D well below -h/2, which only the finished field has;
+// - matter too thin to be so deep would then let light through. In its middle the field has a ridge, where
+// the
+//   central differences of D are short: the less |grad D| is than 1, the deeper D counts there;
+// - as the vertices beside a wall are still half in its shade, the result of a voxel near the surface is
+// taken
+//   a little off it, along the normal.
 #pragma once
 
 #include <array>
@@ -27,15 +31,16 @@ constexpr std::size_t kMaxOrdinates = 6;  // an octant
 std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count);
 
 constexpr float kPaperShift = 0.5f, kImprovedShift = 1.25f;  // of the transmittance, equation 7 and mended
-constexpr float kImprovedOffset = 1.25f;  // h off the surface, where results near it are taken
-constexpr float kImprovedDepth = 1.75f;   // h below it, from where on they are not
+constexpr float kImprovedThin = 0.7f;    // h by which D counts deeper where its gradient is 0
+constexpr float kImprovedOffset = 0.6f;  // h off the surface, where results near it are taken
+constexpr float kImprovedDepth = 1.25f;  // h below it, from where on they are not
 
 struct OcclusionJob {
     dfield_context* context = nullptr;
     Grid grid;
     const float* distance = nullptr;  // a float a voxel, signed
     std::size_t ordinates = 3;        // an octant: 1, 3 or 6
-    float shift = kImprovedShift;
+    float shift = kImprovedShift, thin = kImprovedThin;
     bool off_surface = true;  // the last mend
     float alpha = 1;          // equation 8
     bool through = false;     // |N.w| for the geometry term
@@ -49,10 +54,5 @@ struct OcclusionJob {
 using OcclusionFunction = void(const OcclusionJob& job);
 OcclusionFunction* occlusion_function(std::int64_t targets);
 void sweep_occlusion_reference(const OcclusionJob& job);
-
-// The last mend: result[p] is `swept`, a visibility with the gradient as normal, at p moved along the normal
-// to at least kImprovedOffset h off the surface.
-void move_off_surface(const dfield_context& context, const Grid& grid, const float* distance,
-                      const float* swept, float* result);
 
 }  // namespace dfield::runtime::volume

@@ -28,7 +28,8 @@ struct OrdinateSweep {
     bool ascending = true;
     std::ptrdiff_t slice_stride = 0;  // vectors' elements
     const std::uint32_t* vertices = nullptr;
-    float* sum = nullptr;                 // sum of term (1 - V), or of term V where `lit`
+    float* sum = nullptr;                 // sum of term (1 - V), or of term V where `lit`; null: not wanted
+    bool first = false;                   // begin the sums
     std::uint32_t* visibility = nullptr;  // words for store_octants, or null
     // 1 - V tau of each ordinate: of the slab before and of the group before.
     float* below = nullptr;
@@ -42,8 +43,10 @@ struct OrdinateSweep {
     bool through = false;
 };
 
-// kLit: intensities other than 1.
-template<bool kUpward, std::size_t kOrdinates, bool kLit>
+// What a kernel is made for: an evenly lit visibility volume alone, octants alone, or anything.
+enum class Wanted { kVisibility, kOctants, kAnything };
+
+template<bool kUpward, std::size_t kOrdinates, Wanted kWanted>
 class OrdinateKernel {
   public:
     HWY_INLINE explicit OrdinateKernel(const OrdinateSweep& sweep)
@@ -53,21 +56,22 @@ class OrdinateKernel {
           start_(sweep.ascending ? 0 : sweep.vectors - 1),
           enters_(sweep.ascending ? 0 : kN - 1),
           leaves_(kN - 1 - enters_ + direction_),
-          least_(hn::Set(F(), sweep.through ? -1.0f : 0.0f)) {
-        // All ordinates are permutations of one: their directions are as long.
-        const Ordinate& any = sweep.ordinates[0];
-        const float scale =
-            -sweep.weight / (kNormalScale * std::sqrt(any.x * any.x + any.y * any.y + any.z * any.z));
-        nx_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.x));
-        ny_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.y));
-        nz_ = hn::Set(F(), scale * static_cast<float>(sweep.direction.z));
-        for (std::size_t o = 0; o < kOrdinates; ++o) {
-            const Ordinate& w = sweep.ordinates[o];
-            wx_[o] = hn::Set(F(), w.x);
-            wy_[o] = hn::Set(F(), w.y);
-            wz_[o] = hn::Set(F(), w.z);
-            for (std::size_t p = 0; p < kSlices; ++p) dark_[p][o] = hn::Zero(F());
+          least_(hn::Set(F(), sweep.through ? -1.0f : 0.0f)),
+          at_dark_(hn::Set(F(), sweep.lit ? 1.0f : 0.0f)),
+          per_dark_(hn::Set(F(), sweep.lit ? -1.0f : 1.0f)) {
+        for (std::size_t t = 0; t < kTriples; ++t) {
+            const Ordinate& w = sweep.ordinates[3 * t];
+            const float weights[3] = {w.x, w.y, w.z};
+            const float scale = -sweep.weight / (kNormalScale * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z));
+            for (std::size_t i = 0; i < 3; ++i) {
+                weight_[t][i] = hn::Set(F(), weights[i]);
+                cosine_x_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.x));
+                cosine_y_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.y));
+                cosine_z_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.z));
+            }
         }
+        for (auto& slice : dark_)
+            for (VF& ordinate : slice) ordinate = hn::Zero(F());
     }
 
     HWY_INLINE void run() {
@@ -79,6 +83,9 @@ class OrdinateKernel {
 
   private:
     static constexpr std::ptrdiff_t kN = kLanes, kS = kSlices;
+    static constexpr bool kSums = kWanted != Wanted::kOctants, kBytes = kWanted != Wanted::kVisibility;
+    // Ordinates come in threes, the cyclic permutations of one: few weights have to stay in registers.
+    static constexpr std::size_t kTriples = (kOrdinates + 2) / 3;
 
     HWY_INLINE void vertex(std::ptrdiff_t p, std::ptrdiff_t t) {
         const F f;
@@ -87,10 +94,13 @@ class OrdinateKernel {
         const auto word = hn::BitCast(i32, hn::Load(U32(), s_.vertices + voxel));
         const VF tau = hn::Mul(hn::ConvertTo(f, hn::And(word, hn::Set(i32, 0xff))), hn::Set(f, 1.0f / 255));
         const VF opacity = hn::Sub(hn::Set(f, 1.0f), tau);
-        const VF nx = hn::Mul(nx_, hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<16>(word))));
-        const VF ny = hn::Mul(ny_, hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<8>(word))));
-        const VF nz = hn::Mul(nz_, hn::ConvertTo(f, hn::ShiftRight<24>(word)));
-        VF sum = hn::Load(f, s_.sum + voxel), darkness = hn::Zero(f);
+        VF nx = hn::Zero(f), ny = nx, nz = nx, sum = nx, darkness = nx;
+        if constexpr (kSums) {
+            nx = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<16>(word)));
+            ny = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<8>(word)));
+            nz = hn::ConvertTo(f, hn::ShiftRight<24>(word));
+            if (!s_.first) sum = hn::Load(f, s_.sum + voxel);
+        }
 #pragma GCC unroll 6
         for (std::size_t o = 0; o < kOrdinates; ++o) {
             float* const border =
@@ -98,39 +108,51 @@ class OrdinateKernel {
             float* const below = s_.below + static_cast<std::ptrdiff_t>(o) * s_.below_stride + t * kN;
             const VF dx = dark_[p][o], dy = order_.previous_row(dx, border - leaves_, border - enters_);
             const VF dz = p > 0 ? dark_[p > 0 ? p - 1 : 0][o] : hn::Load(f, below);
+            const std::size_t triple = o / 3, x = (3 - o % 3) % 3, y = (x + 1) % 3, z = (x + 2) % 3;
             // Equation 6 for u = 1 - V, and 1 - V tau = (1 - tau) + tau u.
-            const VF u = hn::MulAdd(wx_[o], dx, hn::MulAdd(wy_[o], dy, hn::Mul(wz_[o], dz)));
+            const VF u = hn::MulAdd(weight_[triple][x], dx,
+                                    hn::MulAdd(weight_[triple][y], dy, hn::Mul(weight_[triple][z], dz)));
             dark_[p][o] = hn::MulAdd(tau, u, opacity);
             if (p == kS - 1) hn::Store(dark_[p][o], f, below);
-            const VF cosine = hn::MulAdd(wx_[o], nx, hn::MulAdd(wy_[o], ny, hn::Mul(wz_[o], nz)));
-            const VF term = hn::Max(cosine, hn::Mul(least_, cosine));
-            sum = hn::MulAdd(term, kLit ? hn::Sub(hn::Set(f, 1.0f), u) : u, sum);
-            darkness = hn::Add(darkness, u);
+            if constexpr (kBytes) darkness = hn::Add(darkness, u);
+            if constexpr (kSums) {
+                const VF cosine =
+                    hn::MulAdd(cosine_x_[triple][x], nx,
+                               hn::MulAdd(cosine_y_[triple][y], ny, hn::Mul(cosine_z_[triple][z], nz)));
+                if constexpr (kWanted == Wanted::kVisibility)
+                    sum = hn::MulAdd(hn::Max(cosine, hn::Zero(f)), u, sum);
+                else
+                    sum = hn::MulAdd(hn::Max(cosine, hn::Mul(least_, cosine)),
+                                     hn::MulAdd(u, per_dark_, at_dark_), sum);
+            }
         }
-        hn::Store(sum, f, s_.sum + voxel);
-        if (s_.visibility) {
+        if constexpr (kSums) hn::Store(sum, f, s_.sum + voxel);
+        if constexpr (kBytes) {
             const VF mean = hn::NegMulAdd(darkness, hn::Set(f, 1.0f / kOrdinates), hn::Set(f, 1.0f));
             bytes_.push(mean, hn::Set(f, 255.0f));
-            if (p == 0) hn::Store(bytes_.word, U32(), s_.visibility + t * kN);
+            if (p == 0 && s_.visibility) hn::Store(bytes_.word, U32(), s_.visibility + t * kN);
         }
     }
 
     const OrdinateSweep s_;
     const RowOrder<kUpward> order_;
     const std::ptrdiff_t direction_, start_, enters_, leaves_;  // as GroupKernel's
-    const VF least_;
-    VF wx_[kOrdinates], wy_[kOrdinates], wz_[kOrdinates];
-    VF nx_, ny_, nz_;  // of the normal's bytes, to the geometry term's weight
+    const VF least_, at_dark_, per_dark_;
+    // Ordinate o of a triple has its weights from -o on, cyclically; times the geometry term's weight, of the
+    // normal's bytes, for cosines.
+    VF weight_[kTriples][3], cosine_x_[kTriples][3], cosine_y_[kTriples][3], cosine_z_[kTriples][3];
     VF dark_[kSlices][kOrdinates];
     SliceBytes bytes_;
 };
 
 template<bool kUpward, std::size_t kOrdinates>
 void sweep_ordinates(const OrdinateSweep& sweep) {
-    if (sweep.lit)
-        OrdinateKernel<kUpward, kOrdinates, true>(sweep).run();
+    if (!sweep.sum)
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kOctants>(sweep).run();
+    else if (sweep.visibility || sweep.lit || sweep.through)
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kAnything>(sweep).run();
     else
-        OrdinateKernel<kUpward, kOrdinates, false>(sweep).run();
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kVisibility>(sweep).run();
 }
 
 #endif

@@ -1,5 +1,5 @@
-// Moves results near the surface off it (move_off_surface of occlusion.hpp), in place. Included once a
-// target.
+// Takes results near the surface a little off it, along the normal: the last mend of occlusion.hpp. Included
+// once a target.
 #if defined(DFIELD_VOLUME_OFF_SURFACE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef DFIELD_VOLUME_OFF_SURFACE_INL_HPP
 #undef DFIELD_VOLUME_OFF_SURFACE_INL_HPP
@@ -9,9 +9,10 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "volume/buffer.hpp"
 #include "volume/occlusion.hpp"
 #include "volume/row_gradient-inl.hpp"
 
@@ -21,103 +22,100 @@ namespace dfield::runtime::volume::HWY_NAMESPACE {
 
 class OffSurface {
   public:
-    OffSurface(const Grid& grid, const float* distance, float* visibility)
+    // Slices on either side that a result may come from. Grid::h() is the smallest spacing.
+    static constexpr std::size_t kReach = 2;
+    static_assert(kImprovedOffset + kImprovedDepth < static_cast<float>(kReach));
+    // Swept visibility of the slices from z - kReach to z + kReach; those outside the grid are not read.
+    using Slices = std::array<const float*, 2 * kReach + 1>;
+
+    OffSurface(const Grid& grid, const float* distance)
         : grid_(grid),
           distance_(distance),
-          visibility_(visibility),
           offset_(kImprovedOffset * grid.h()),
           deepest_(-kImprovedDepth * grid.h()) {}
 
-    void run(dfield_context* context) const {
-        // The new values of the voxels near the surface wait in a list until all have been read.
-        const std::size_t rows = grid_.ny * grid_.nz;
-        Buffer<std::size_t> first(context, rows + 1, 0);  // of each row in the list
-        const auto for_rows = [&](const auto& body) {
-            context->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t row = begin; row < end; ++row)
-                    body(row % grid_.ny, row / grid_.ny, first + row);
-            });
-        };
-        for_rows([this](std::size_t y, std::size_t z, std::size_t* at) { at[1] = count(y, z); });
-        for (std::size_t row = 0; row < rows; ++row) first.get()[row + 1] += first.get()[row];
-        Buffer<float> moved(context, first.get()[rows]);
-        for_rows([&](std::size_t y, std::size_t z, std::size_t* at) { move(y, z, moved + *at); });
-        for_rows([&](std::size_t y, std::size_t z, std::size_t* at) { put(y, z, moved + *at); });
+    void move_row(std::size_t y, std::size_t z, const Slices& slices, float* out) const {
+        const RowGradient row(grid_, distance_, y, z);
+        const float* const swept = slices[kReach] + y * grid_.nx;
+        row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
+            const auto d = hn::LoadU(tag, row.here() + x), unmoved = hn::LoadU(tag, swept + x);
+            const auto near = hn::And(hn::Ge(d, hn::Set(tag, deepest_)), hn::Lt(d, hn::Set(tag, offset_)));
+            if (hn::AllFalse(tag, near)) return hn::StoreU(unmoved, tag, out + x);
+            const auto g = row.at(tag, x);
+            const auto chosen = hn::And(near, hn::Gt(g.square, hn::Zero(tag)));
+            const auto scale =
+                hn::IfThenElseZero(chosen, hn::Div(hn::Sub(hn::Set(tag, offset_), d), hn::Sqrt(g.square)));
+            const auto moved = blend(tag, chosen, x, y, z, hn::Mul(g.x, scale), hn::Mul(g.y, scale),
+                                     hn::Mul(g.z, scale), slices);
+            hn::StoreU(hn::IfThenElse(chosen, moved, unmoved), tag, out + x);
+        });
     }
 
   private:
+    // Where points lie among the voxels of an axis.
     template<class Tag>
-    HWY_INLINE hn::Mask<Tag> is_near(Tag tag, hn::Vec<Tag> d) const {
-        return hn::And(hn::Ge(d, hn::Set(tag, deepest_)), hn::Lt(d, hn::Set(tag, offset_)));
-    }
+    struct Axis {
+        HWY_ALIGN std::int32_t low[hn::MaxLanes(Tag())];
+        hn::Vec<Tag> fraction;
+        HWY_INLINE Axis(Tag tag, hn::Vec<Tag> at, std::size_t n) {
+            const hn::RebindToSigned<Tag> i32;
+            const auto last = static_cast<std::int32_t>(n - 1);
+            const auto inside = hn::Min(hn::Max(at, hn::Zero(tag)), hn::Set(tag, static_cast<float>(n - 1)));
+            const auto cell =
+                hn::Min(hn::ConvertTo(i32, inside), hn::Set(i32, std::max<std::int32_t>(last - 1, 0)));
+            fraction = hn::Sub(inside, hn::ConvertTo(tag, cell));
+            hn::Store(cell, i32, low);
+        }
+    };
 
-    std::size_t count(std::size_t y, std::size_t z) const {
-        std::size_t result = 0;
-        const RowGradient row(grid_, distance_, y, z);
-        row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
-            result += hn::CountTrue(tag, is_near(tag, hn::LoadU(tag, row.here() + x)));
-        });
-        return result;
-    }
-
-    void put(std::size_t y, std::size_t z, const float* moved) const {
-        const std::size_t first = grid_.index(0, y, z);
-        for (std::size_t i = first; i < first + grid_.nx; ++i)
-            if (distance_[i] >= deepest_ && distance_[i] < offset_) visibility_[i] = *moved++;
-    }
-
-    void move(std::size_t y, std::size_t z, float* moved) const {
-        const RowGradient row(grid_, distance_, y, z);
-        row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
-            const auto d = hn::LoadU(tag, row.here() + x);
-            const auto chosen = is_near(tag, d);
-            if (hn::AllFalse(tag, chosen)) return;
-            const auto g = row.at(tag, x);
-            const auto some = hn::Gt(g.square, hn::Zero(tag));
-            const auto step = hn::Min(hn::Sub(hn::Set(tag, offset_), d), hn::Set(tag, 2 * offset_));
-            const auto scale = hn::IfThenElseZero(some, hn::Div(step, hn::Sqrt(g.square)));
-            const auto from = [&](std::size_t at, auto along, float h) HWY_ATTR {  // in voxels
-                return hn::MulAdd(hn::IfThenElseZero(some, hn::Mul(along, scale)), hn::Set(tag, 1 / h),
-                                  hn::Set(tag, static_cast<float>(at)));
+    // Trilinear, for the lanes that are chosen; a chosen lane's shift is finite.
+    template<class Tag, class V = hn::Vec<Tag>>
+    HWY_INLINE V blend(Tag tag, hn::Mask<Tag> chosen, std::size_t x, std::size_t y, std::size_t z, V shift_x,
+                       V shift_y, V shift_z, const Slices& slices) const {
+        const auto from = [&](std::size_t at, V shift, float h) HWY_ATTR {
+            return hn::MulAdd(shift, hn::Set(tag, 1 / h), hn::Set(tag, static_cast<float>(at)));
+        };
+        const Axis<Tag> ax(tag, hn::Add(from(x, shift_x, grid_.hx), hn::Iota(tag, 0)), grid_.nx),
+            ay(tag, from(y, shift_y, grid_.hy), grid_.ny), az(tag, from(z, shift_z, grid_.hz), grid_.nz);
+        constexpr std::size_t kCount = hn::MaxLanes(Tag());
+        HWY_ALIGN float along_z[kCount];
+        hn::Store(az.fraction, tag, along_z);
+        // The corners with the lowest and the highest x, of the lower and the upper y: blended along z one
+        // lane after the other, as gathers are no faster, and then all lanes at once.
+        const hn::FixedTag<float, 4> four;
+        HWY_ALIGN float corners[4 * kCount] = {};
+        const std::size_t step_x = grid_.nx > 1 ? 1 : 0, step_y = grid_.ny > 1 ? grid_.nx : 0,
+                          step_z = grid_.nz > 1 ? 1 : 0;
+        std::uint64_t lanes = 0;
+        hn::StoreMaskBits(tag, chosen, reinterpret_cast<std::uint8_t*>(&lanes));
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(lanes));
+            const std::size_t slice = static_cast<std::size_t>(az.low[lane]) + kReach - z;
+            const std::size_t corner =
+                static_cast<std::size_t>(ay.low[lane]) * grid_.nx + static_cast<std::size_t>(ax.low[lane]);
+            const auto plane = [&](const float* p) HWY_ATTR {
+                p += corner;
+                if constexpr (kCount == 1) {
+                    HWY_ALIGN const float values[4] = {p[0], p[step_x], p[step_y], p[step_y + step_x]};
+                    return hn::Load(four, values);
+                } else {  // between the ends of a row: two voxels side by side
+                    const hn::Half<decltype(four)> two;
+                    return hn::Combine(four, hn::LoadU(two, p + step_y), hn::LoadU(two, p));
+                }
             };
-            // Few lanes of a vector are near, and gathers are no faster than loads: one by one from here.
-            HWY_ALIGN float px[kLanes], py[kLanes], pz[kLanes];
-            // Compressing straight to memory is slow on some processors.
-            hn::Store(hn::Compress(hn::Add(from(x, g.x, grid_.hx), hn::Iota(tag, 0)), chosen), tag, px);
-            hn::Store(hn::Compress(from(y, g.y, grid_.hy), chosen), tag, py);
-            hn::Store(hn::Compress(from(z, g.z, grid_.hz), chosen), tag, pz);
-            const std::size_t n = hn::CountTrue(tag, chosen);
-            for (std::size_t i = 0; i < n; ++i) *moved++ = blend(px[i], py[i], pz[i]);
-        });
-    }
-
-    // Trilinear, at a point in voxels.
-    HWY_INLINE float blend(float x, float y, float z) const {
-        struct Axis {
-            std::size_t low, step;  // offset of the lower corner, and from there to the upper
-            float fraction;
-        };
-        const auto axis = [](float at, std::size_t n, std::size_t stride) {
-            const float inside = std::min(std::max(at, 0.0f), static_cast<float>(n - 1));
-            const std::size_t low =
-                std::min(static_cast<std::size_t>(static_cast<std::int32_t>(inside)), n > 1 ? n - 2 : 0);
-            return Axis{low * stride, n > 1 ? stride : 0, inside - static_cast<float>(low)};
-        };
-        const Axis ax = axis(x, grid_.nx, 1), ay = axis(y, grid_.ny, grid_.nx),
-                   az = axis(z, grid_.nz, grid_.nx * grid_.ny);
-        const float* const corner = visibility_ + ax.low + ay.low + az.low;
-        const auto along_x = [&](const float* p) { return p[0] + ax.fraction * (p[ax.step] - p[0]); };
-        const auto along_y = [&](const float* p) {
-            const float low = along_x(p);
-            return low + ay.fraction * (along_x(p + ay.step) - low);
-        };
-        const float low = along_y(corner);
-        return low + az.fraction * (along_y(corner + az.step) - low);
+            const auto low = plane(slices[slice]), high = plane(slices[slice + step_z]);
+            hn::Store(hn::MulAdd(hn::Set(four, along_z[lane]), hn::Sub(high, low), low), four,
+                      corners + 4 * lane);
+        }
+        V a, b, c, d;
+        hn::LoadInterleaved4(tag, corners, a, b, c, d);
+        const V low = hn::MulAdd(ax.fraction, hn::Sub(b, a), a),
+                high = hn::MulAdd(ax.fraction, hn::Sub(d, c), c);
+        return hn::MulAdd(ay.fraction, hn::Sub(high, low), low);
     }
 
     const Grid grid_;
     const float* const distance_;
-    float* const visibility_;
     const float offset_, deepest_;
 };
 

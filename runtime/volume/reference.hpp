@@ -34,13 +34,11 @@ void sweep_distance(Distances& field, const Sweep& sweep);
 struct Ordinate {
     float wx, wy, wz;  // weights of the neighbours, sum 1; the paper's: 1/3 each
 };
-struct Transmittance {
-    float shift = 0.5f;  // tau = D / h + shift within [0, 1]: equation 7 has 1/2
-    float alpha = 1;     // opacity of equation 8
-    float operator()(float signed_distance, float h) const;
-};
-// Equation 6, into `visibility` (one float a vertex, 1 = open). V = 1 outside the grid.
-void sweep_visibility(const Distances& field, const Sweep& sweep, const Ordinate& ordinate,
-                      const Transmittance& tau, float* visibility);
+// Equations 7 and 8: D / h + shift within [0, 1], of matter with this opacity. Equation 7 has a shift of 1/2.
+float transmittance(float distance_in_h, float shift, float alpha);
+// Equation 6, into `visibility` (one float a vertex, 1 = open), through vertices of these transmittances.
+// V = 1 outside the grid.
+void sweep_visibility(const Grid& grid, const Sweep& sweep, const Ordinate& ordinate,
+                      const float* transmittance, float* visibility);
 
 }  // namespace dfield::runtime::volume::reference

@@ -13,22 +13,23 @@ std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t
     if (count == 1) return {{{1.0f / 3, 1.0f / 3, 1.0f / 3}}};
     constexpr float a = 0.55f, b = 0.3f, c = 0.15f;
     std::array<Ordinate, kMaxOrdinates> result{
-        {{a, b, c}, {c, a, b}, {b, c, a}, {a, c, b}, {c, b, a}, {b, a, c}}};
+        {{a, b, c}, {c, a, b}, {b, c, a}, {a, c, b}, {b, a, c}, {c, b, a}}};
     const Sweep& sweep = kSweeps[octant];
     if (count == 3 && sweep.x * sweep.y * sweep.z < 0)
         std::rotate(result.begin(), result.begin() + 3, result.end());
     return result;
 }
 
-void move_off_surface(const dfield_context& context, const Grid& grid, const float* distance,
-                      const float* swept, float* result) {
+namespace {
+
+// The last mend: `swept`, a visibility with the gradient as normal, taken where each voxel near the surface
+// lies when moved along its normal until it is kImprovedOffset h off the surface.
+void move_off_surface(const Grid& grid, const float* distance, const float* swept, float* result) {
     const SignedField field{grid, distance}, visibility{grid, swept};
     const float h = grid.h(), offset = kImprovedOffset * h, deepest = -kImprovedDepth * h;
-    context.for_ranges(grid.ny * grid.nz, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-            const std::size_t y = row % grid.ny, z = row / grid.ny;
-            for (std::size_t x = 0; x < grid.nx; ++x) {
-                const std::size_t i = grid.index(x, y, z);
+    for (std::size_t z = 0, i = 0; z < grid.nz; ++z)
+        for (std::size_t y = 0; y < grid.ny; ++y)
+            for (std::size_t x = 0; x < grid.nx; ++x, ++i) {
                 result[i] = swept[i];
                 if (distance[i] < deepest || distance[i] >= offset) continue;
                 const glm::vec3 gradient = field.gradient(x, y, z);
@@ -36,24 +37,33 @@ void move_off_surface(const dfield_context& context, const Grid& grid, const flo
                 if (!(length > 0)) continue;
                 const glm::vec3 point(static_cast<float>(x) * grid.hx, static_cast<float>(y) * grid.hy,
                                       static_cast<float>(z) * grid.hz);
-                const float step = std::min(offset - distance[i], 2 * offset);
-                result[i] = visibility.at(point + step / length * gradient);
+                result[i] = visibility.at(point + (offset - distance[i]) / length * gradient);
             }
-        }
-    });
 }
+
+std::vector<float> transmittances(const OcclusionJob& job) {
+    const Grid& grid = job.grid;
+    const SignedField field{grid, job.distance};
+    std::vector<float> result(grid.size());
+    for (std::size_t z = 0, i = 0; z < grid.nz; ++z)
+        for (std::size_t y = 0; y < grid.ny; ++y)
+            for (std::size_t x = 0; x < grid.nx; ++x, ++i) {
+                float d = job.distance[i] / grid.h();
+                if (d <= 0) {
+                    const float length = glm::length(field.gradient(x, y, z));
+                    d -= job.thin * std::max(0.0f, 1 - (length > 0 ? length : 0));
+                }
+                result[i] = reference::transmittance(d, job.shift, job.alpha);
+            }
+    return result;
+}
+
+}  // namespace
 
 void sweep_occlusion_reference(const OcclusionJob& job) {
     const Grid& grid = job.grid;
-    reference::Distances field{grid, {}, {}, {}};
-    field.d.resize(grid.size());
-    field.inside.resize(grid.size());
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-        field.d[i] = std::abs(job.distance[i]);
-        field.inside[i] = std::signbit(job.distance[i]);
-    }
     const SignedField signed_field{grid, job.distance};
-    const reference::Transmittance tau{job.shift, job.alpha};
+    const std::vector<float> tau = transmittances(job);
     const bool even =
         std::all_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i == 1; });
     // The mean of max(0, N.w) over evenly spread directions is 1/4.
@@ -65,7 +75,7 @@ void sweep_occlusion_reference(const OcclusionJob& job) {
         const auto ordinates = ordinates_of(s, job.ordinates);
         for (std::size_t o = 0; o < job.ordinates; ++o) {
             const Ordinate& w = ordinates[o];
-            reference::sweep_visibility(field, kSweeps[s], {w.x, w.y, w.z}, tau, fields.data());
+            reference::sweep_visibility(grid, kSweeps[s], {w.x, w.y, w.z}, tau.data(), fields.data());
             const glm::vec3 towards = -glm::normalize(glm::vec3(static_cast<float>(kSweeps[s].x) * w.x,
                                                                 static_cast<float>(kSweeps[s].y) * w.y,
                                                                 static_cast<float>(kSweeps[s].z) * w.z));
@@ -90,7 +100,7 @@ void sweep_occlusion_reference(const OcclusionJob& job) {
     if (!job.visibility) return;
     for (float& value : sum) value = std::max(0.0f, value);
     if (job.off_surface)
-        move_off_surface(*job.context, grid, job.distance, sum.data(), job.visibility);
+        move_off_surface(grid, job.distance, sum.data(), job.visibility);
     else
         std::copy(sum.begin(), sum.end(), job.visibility);
 }

@@ -4,20 +4,18 @@
 
 namespace dfield::runtime::volume::reference {
 
-float Transmittance::operator()(float signed_distance, float h) const {
-    const float tau = std::clamp(signed_distance / h + shift, 0.0f, 1.0f);  // equation 7
-    return 1 - (1 - tau) * alpha;                                           // equation 8
+float transmittance(float distance_in_h, float shift, float alpha) {
+    const float tau = std::clamp(distance_in_h + shift, 0.0f, 1.0f);  // equation 7
+    return 1 - (1 - tau) * alpha;                                     // equation 8
 }
 
-void sweep_visibility(const Distances& field, const Sweep& sweep, const Ordinate& ordinate,
-                      const Transmittance& tau, float* visibility) {
-    const Grid& g = field.grid;
-    const float h = g.h();
+void sweep_visibility(const Grid& g, const Sweep& sweep, const Ordinate& ordinate, const float* transmittance,
+                      float* visibility) {
     // V tau of the neighbour one step back along an axis of n vertices.
     const auto light = [&](std::size_t at, int direction, std::size_t n, std::size_t stride, std::size_t p) {
         if (at == (direction > 0 ? 0 : n - 1)) return 1.0f;
         const std::size_t neighbour = direction > 0 ? p - stride : p + stride;
-        return visibility[neighbour] * tau(field.signed_at(neighbour), h);
+        return visibility[neighbour] * transmittance[neighbour];
     };
     for (std::size_t k = 0; k < g.nz; ++k)
         for (std::size_t j = 0; j < g.ny; ++j)

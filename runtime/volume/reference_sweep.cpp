@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volume/occlusion.hpp"
 #include "volume/reference.hpp"
 #include "volume/sweep.hpp"
 
@@ -18,14 +19,15 @@ SweepResult sweep_distance_reference(const DistanceJob& job) {
 
     reference::Distances field = reference::initialise(grid, job.samples);
     const reference::Ordinate even{1.0f / 3, 1.0f / 3, 1.0f / 3};
-    const reference::Transmittance tau{0.5f, job.alpha};
-    std::vector<float> visibility(job.carried == Carried::kNone ? 0 : grid.size());
+    std::vector<float> visibility(job.carried == Carried::kNone ? 0 : grid.size()), tau(visibility.size());
     if (job.carried == Carried::kCombined) std::fill_n(job.combined, grid.size(), 0.0f);
     for (const std::size_t s : kSweepOrder) {
         reference::sweep_distance(field, kSweeps[s]);
         if (job.carried == Carried::kNone) continue;
         // Embedded: the transmittance needs no more of the field than its first step has set.
-        reference::sweep_visibility(field, kSweeps[s], even, tau, visibility.data());
+        for (std::size_t i = 0; i < grid.size(); ++i)
+            tau[i] = reference::transmittance(field.signed_at(i) / grid.h(), kPaperShift, job.alpha);
+        reference::sweep_visibility(grid, kSweeps[s], even, tau.data(), visibility.data());
         for (std::size_t i = 0; i < grid.size(); ++i) {
             if (job.carried == Carried::kCombined)
                 job.combined[i] += job.intensities[s] * visibility[i];

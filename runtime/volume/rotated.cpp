@@ -64,7 +64,10 @@ void sweep_light(dfield_context* context, const SignedField& field, const glm::v
     job.grid = turned;
     job.distance = distance.get();
     job.ordinates = improved ? 3 : 1;
-    job.shift = improved ? kImprovedShift : kPaperShift;
+    if (!improved) {
+        job.shift = kPaperShift;
+        job.thin = 0;
+    }
     job.alpha = alpha;
     job.octants = octants.get();
     job.only = kOctant;

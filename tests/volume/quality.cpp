@@ -88,3 +88,9 @@ TEST_CASE("Floor with boxes: likewise", "[volume]") {
     CHECK(q.improved24 < 0.06);
     CHECK(q.improved48 < q.improved24);
 }
+
+TEST_CASE("Vessels: matter a few voxels thick holds its light back", "[volume]") {
+    const Quality q = quality_of(models::vessels_volume({128, 128, 128}, 1));
+    CHECK(q.improved24 < 0.06);
+    CHECK(q.improved48 < q.improved24);
+}
