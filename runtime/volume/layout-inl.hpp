@@ -30,33 +30,40 @@ constexpr std::size_t kSlices = 4;
 
 // Sizes of one slab (kSlices slices) in the skewed layout, in vectors, and of the row buffers, in floats.
 struct Shape {
-    explicit Shape(const Grid& grid)
+    // `rows` of them in a group, a multiple of kLanes; `group_count` groups; each with `spare_vectors` more
+    // on either side, of which a slice's lag needs kSlices.
+    Shape(const Grid& grid, std::size_t rows, std::size_t group_count, std::size_t spare_vectors)
         : nx(grid.nx),
           ny(grid.ny),
-          groups((grid.ny + kLanes - 1) / kLanes),
-          vectors(nx + kLanes - 1),
+          groups(group_count),
+          vectors(nx + rows - 1),
           blocks((vectors + 3) / 4),
-          group_stride(kSlices + 4 * blocks + kSlices),
+          spare(spare_vectors),
+          group_stride(spare + 4 * blocks + spare),
           row_stride(row_size(nx)),
           slice_stride(group_stride * groups) {
         // Slices are read in step: keep them apart in the cache's sets.
         while (slice_stride % 64 < 9 || slice_stride % 64 > 55 || slice_stride % 2 == 0) ++slice_stride;
     }
+    explicit Shape(const Grid& grid) : Shape(grid, kLanes, (grid.ny + kLanes - 1) / kLanes, kSlices) {}
     static std::size_t row_size(std::size_t nx) {
         const std::size_t size = 2 * kPad + (nx + 15) / 16 * 16;
         return size / 16 % 2 == 0 ? size + 16 : size;
     }
-    std::size_t slab_floats() const { return kSlices * slice_stride * kLanes; }
+    // Elements, of four bytes.
+    std::size_t layer() const { return slice_stride * kLanes; }
+    std::size_t slab_floats() const { return kSlices * layer(); }
     // Where vector 0 of a group begins.
     std::size_t at(std::size_t slice, std::size_t group) const {
-        return (slice * slice_stride + group * group_stride + kSlices) * kLanes;
+        return (slice * slice_stride + group * group_stride + spare) * kLanes;
     }
     static constexpr std::size_t kPad = 32;  // before x = 0 and after x = nx - 1 in a row buffer
 
     std::size_t nx, ny, groups;
-    std::size_t vectors;       // of a group
-    std::size_t blocks;        // of four vectors, that cover them
-    std::size_t group_stride;  // with kSlices spare vectors on either side: a slice's lag
+    std::size_t vectors;  // of a group
+    std::size_t blocks;   // of four vectors, that cover them
+    std::size_t spare;
+    std::size_t group_stride;
     std::size_t row_stride;
     std::size_t slice_stride;
 };

@@ -29,29 +29,29 @@ class OcclusionSweeps {
     explicit OcclusionSweeps(const OcclusionJob& job)
         : job_(job),
           grid_(job.grid),
-          shape_(job.grid),
+          pair_(job.grid, kPairRows, (job.grid.ny + kPairRows - 1) / kPairRows, kSlices),
+          shape_(job.grid, kLanes, 2 * pair_.groups, kSlices + kLanes),
           lit_(std::any_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i != 1; })),
+          brightest_(*std::max_element(job.intensities.begin(), job.intensities.end())),
           pipeline_(job.context, slabs(), {kSlices, 1, 1, 1, 1, kSlices, kSlices}),
           off_surface_(job.grid, job.distance) {
         dfield_context* const context = job.context;
-        const std::size_t slab = pipeline_.ring() * shape_.slab_floats(),
-                          layer = shape_.slice_stride * kLanes;
+        const std::size_t ring = pipeline_.ring();
         for (std::size_t i = 0; i < 2; ++i) {
-            vertices_[i] = Buffer<std::uint32_t>(context, slab, kOpenVertex);
-            if (job.visibility) sums_[i] = Buffer<float>(context, slab);
+            vertices_[i] = Buffer<std::uint32_t>(context, ring * shape_.slab_floats(), kOpenVertex);
+            if (job.visibility) sums_[i] = Buffer<std::int16_t>(context, ring * 2 * pair_.slab_floats());
         }
-        words_ = Buffer<std::uint32_t>(context, grid_.size());
         if (moves()) swept_ = Buffer<float>(context, kKept * grid_.nx * grid_.ny);
-        below_ = Buffer<float>(context, 4 * job.ordinates * layer);
-        border_ = Buffer<float>(context, 4 * job.ordinates * kSlices * row());
+        below_ = Buffer<std::int16_t>(context, 4 * job.ordinates * 2 * pair_.layer());
+        border_ = Buffer<std::int16_t>(context, 4 * job.ordinates * kSlices * border_size());
         rows_ = Buffer<float>(context, workers() * kRowSets * kLanes * shape_.row_stride, 0.0f);
-        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * pipeline_.ring() * layer, 0);
+        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * ring * shape_.layer(), 0);
     }
 
     void run() {
         for (const bool down : {false, true}) {
             down_ = down;
-            std::fill_n(below_.get(), 4 * job_.ordinates * shape_.slice_stride * kLanes, 0.0f);
+            std::fill_n(below_.get(), 4 * job_.ordinates * 2 * pair_.layer(), std::int16_t{0});
             pipeline_.run([this](std::size_t stage, std::size_t slab, std::size_t part) {
                 if (stage == kLoad)
                     load(slab, part);
@@ -67,6 +67,8 @@ class OcclusionSweeps {
 
   private:
     static constexpr std::size_t kRowSets = 4;
+    // Before x = 0 and after x = nx - 1 of what a pair leaves for the next: its rows' skew and a slice's lag.
+    static constexpr std::size_t kBorderPad = kPairRows + 2 * kSlices;
     // Slices of swept visibility that wait to be moved off the surface, by the order in which the second pass
     // meets them: a slab is moved with the slices around it while the next one may be stored.
     static constexpr std::size_t kKept = 3 * kSlices;
@@ -77,7 +79,7 @@ class OcclusionSweeps {
     float* kept(std::size_t z) const { return swept_ + (grid_.nz - 1 - z) % kKept * grid_.nx * grid_.ny; }
 
     std::size_t workers() const { return pipeline_.parallel() ? 2 * kSlices : 1; }
-    std::size_t row() const { return Shape::row_size(grid_.nx); }
+    std::size_t border_size() const { return grid_.nx + 2 * kBorderPad; }
     float* rows_of(Stage stage, std::size_t part) const {
         const std::size_t worker = pipeline_.parallel() ? (stage == kLoad ? 0 : kSlices) + part : 0;
         return rows_ + worker * kRowSets * kLanes * shape_.row_stride + Shape::kPad;
@@ -89,9 +91,17 @@ class OcclusionSweeps {
     std::size_t offset_of(std::size_t slab) const { return slab % pipeline_.ring() * shape_.slab_floats(); }
     std::size_t octant_of(std::size_t index) const { return (down_ ? 4 : 0) + index; }
     std::uint32_t* words_of(std::size_t slab, std::size_t group, std::size_t index) const {
-        const std::size_t layer = shape_.slice_stride * kLanes;
-        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * layer +
+        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * shape_.layer() +
                shape_.at(0, group);
+    }
+    // Vector 0 of a pair in a slice.
+    std::int16_t* sums_of(Skew skew, std::size_t slab, std::size_t slice, std::size_t pair) const {
+        return sums_[static_cast<std::size_t>(skew)] +
+               2 * (slab % pipeline_.ring() * pair_.slab_floats() + pair_.at(slice, pair));
+    }
+    // A pair's rows are skewed as one: by so many vectors do its lower (0) and upper (1) group's come after.
+    static std::size_t lag_of(Skew skew, std::size_t half) {
+        return half == (skew == Skew::kFalling ? 1 : 0) ? kLanes : 0;
     }
 
     void load(std::size_t slab, std::size_t part) {
@@ -115,14 +125,8 @@ class OcclusionSweeps {
         }
     }
 
-    // A row's words: made in the first pass, kept for the second.
+    // A row's words. Made in both passes: keeping them costs as much time, and a word a voxel.
     void load_row(std::size_t y, std::size_t z, std::uint32_t* out) const {
-        std::uint32_t* const words = words_ + grid_.index(0, y, z);
-        if (!down_) make_words(y, z, words);
-        std::copy_n(words, grid_.nx, out);
-    }
-
-    void make_words(std::size_t y, std::size_t z, std::uint32_t* out) const {
         const RowGradient row(grid_, job_.distance, y, z);
         row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const hn::RebindToUnsigned<decltype(tag)> u32;
@@ -144,10 +148,10 @@ class OcclusionSweeps {
                            hn::NegMulAdd(deeper, hn::Set(tag, job_.thin), hn::Set(tag, job_.shift)));
             const auto opacity =
                 hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
-            const auto open = hn::BitCast(
-                u32, hn::NegMulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 255 + 0x3p22f)));
+            const auto dark =
+                hn::BitCast(u32, hn::MulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 0x3p22f)));
             auto word = component(g.z);
-            for (const auto& byte : {component(g.y), component(g.x), open})
+            for (const auto& byte : {component(g.y), component(g.x), dark})
                 word = select_bits(hn::Set(u32, 0xff), byte, hn::ShiftLeft<8>(word));
             hn::StoreU(word, u32, out + x);
         });
@@ -178,31 +182,36 @@ class OcclusionSweeps {
 
     template<std::size_t kOrdinates>
     void sweep_rows(std::size_t slab, std::size_t index, float intensity) {
-        const std::size_t octant = octant_of(index), layer = shape_.slice_stride * kLanes;
-        const auto layout = static_cast<std::size_t>(skew_of(octant));
+        const std::size_t octant = octant_of(index);
+        const Skew skew = skew_of(octant);
         OrdinateSweep s;
         s.direction = kSweeps[octant];
-        s.vectors = static_cast<std::ptrdiff_t>(shape_.vectors);
+        s.vectors = static_cast<std::ptrdiff_t>(pair_.vectors);
         s.ascending = s.direction.x > 0;
-        s.slice_stride = static_cast<std::ptrdiff_t>(layer);
-        s.below_stride = static_cast<std::ptrdiff_t>(layer);
-        s.border_stride = static_cast<std::ptrdiff_t>(row());
-        float* const border = border_ + index * kOrdinates * kSlices * row();
-        std::fill_n(border, kOrdinates * kSlices * row(), 0.0f);
-        s.border = border + Shape::kPad;
+        s.vertices_stride = static_cast<std::ptrdiff_t>(shape_.layer());
+        s.sum_stride = static_cast<std::ptrdiff_t>(2 * pair_.layer());
+        constexpr std::size_t kLeft = kOrdinates * kSlices;
+        std::int16_t* const border = border_ + static_cast<std::ptrdiff_t>(index * kLeft * border_size());
+        std::fill_n(border, kLeft * border_size(), std::int16_t{0});
+        s.border = border + kLeft * kBorderPad;
         s.ordinates = ordinates_of(octant, kOrdinates);
-        s.weight = intensity / (static_cast<float>(kOctants * kOrdinates) * (job_.through ? 0.5f : 0.25f));
+        const float share = brightest_ > 0 ? intensity / brightest_ : 0;
+        s.weight = share / (static_cast<float>(kOctants * kOrdinates) * (job_.through ? 0.5f : 0.25f));
         s.lit = lit_;
         s.through = job_.through;
-        s.first = index == 0 || !has_sums(skew_of(octant), index - 1);
+        s.first = index == 0 || !has_sums(skew, index - 1);
         const bool upward = s.direction.y > 0;
-        for (std::size_t i = 0; i < shape_.groups; ++i) {
-            const std::size_t group = upward ? i : shape_.groups - 1 - i;
-            const std::size_t at = offset_of(slab) + shape_.at(0, group);
-            s.vertices = vertices_[layout] + at;
-            if (job_.visibility) s.sum = sums_[layout] + at;
-            s.below = below_ + index * kOrdinates * layer + shape_.at(0, group);
-            if (visibility_) s.visibility = words_of(slab, group, index);
+        for (std::size_t i = 0; i < pair_.groups; ++i) {
+            const std::size_t pair = upward ? i : pair_.groups - 1 - i;
+            for (std::size_t half = 0; half < 2; ++half) {
+                const std::size_t group = 2 * pair + half, lag = lag_of(skew, half) * kLanes;
+                s.vertices[half] = vertices_[static_cast<std::size_t>(skew)].get() + offset_of(slab) +
+                                   shape_.at(0, group) - lag;
+                if (visibility_) s.visibility[half] = words_of(slab, group, index) - lag;
+            }
+            if (job_.visibility) s.sum = sums_of(skew, slab, 0, pair);
+            s.below = below_ + static_cast<std::ptrdiff_t>(2 * kOrdinates *
+                                                           (index * pair_.layer() + pair_.at(0, pair)));
             if (upward)
                 sweep_ordinates<true, kOrdinates>(s);
             else
@@ -212,7 +221,7 @@ class OcclusionSweeps {
 
     void store(std::size_t slab, std::size_t part) {
         if (visibility_)
-            for (std::size_t group = part; group < shape_.groups; group += kSlices) {
+            for (std::size_t group = part; group * kLanes < grid_.ny; group += kSlices) {
                 OctantWords from{};
                 from.group = group;
                 for (std::size_t i = 0; i < 4; ++i) {
@@ -226,20 +235,13 @@ class OcclusionSweeps {
         if (z == grid_.nz || !job_.visibility) return;
         float* const rows = rows_of(kStore, part);
         float* const rising = rows + kLanes * shape_.row_stride;
-        for (std::size_t group = 0; group < shape_.groups; ++group) {
-            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+        for (std::size_t group = 0; group * kLanes < grid_.ny; ++group) {
             for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
                 float* const to = skew == Skew::kFalling ? rows : rising;
-                if (!has_sums(skew, 3)) {
+                if (has_sums(skew, 3))
+                    unskew_sums(skew, slab, part, group, to);
+                else
                     std::fill_n(to - Shape::kPad, kLanes * shape_.row_stride, 0.0f);
-                    continue;
-                }
-                const float* const from = sums_[static_cast<std::size_t>(skew)] + at;
-                unskew_rows(
-                    shape_, skew,
-                    [from](std::ptrdiff_t t)
-                        HWY_ATTR { return hn::Load(F(), from + t * static_cast<std::ptrdiff_t>(kLanes)); },
-                    to);
             }
             for (std::size_t l = 0; l < std::min(kLanes, grid_.ny - group * kLanes); ++l) {
                 const std::size_t y = group * kLanes + l;
@@ -248,6 +250,24 @@ class OcclusionSweeps {
                         down_ && moves() ? kept(z) + y * grid_.nx : visibility);
             }
         }
+    }
+
+    // A group's sums, in rows.
+    void unskew_sums(Skew skew, std::size_t slab, std::size_t slice, std::size_t group, float* rows) const {
+        const I32 i32;
+        const std::size_t half = group % 2;
+        const auto* const sums =
+            reinterpret_cast<const std::int32_t*>(sums_of(skew, slab, slice, group / 2)) +
+            lag_of(skew, half) * kLanes;
+        const VF scale = hn::Set(F(), brightest_ / kOne);
+        unskew_rows(
+            shape_, skew,
+            [&](std::ptrdiff_t t) HWY_ATTR {
+                VI both = hn::Load(i32, sums + t * static_cast<std::ptrdiff_t>(kLanes));
+                if (half == 0) both = hn::ShiftLeft<16>(both);
+                return hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(both)), scale);
+            },
+            rows);
     }
 
     // Both layouts' sums, and in the second pass the first one's, to visibility.
@@ -282,15 +302,16 @@ class OcclusionSweeps {
 
     const OcclusionJob& job_;
     const Grid grid_;
-    const Shape shape_;
+    const Shape pair_, shape_;  // of sums and what passes between vertices, and of all else
     const bool lit_;
+    const float brightest_;  // intensity
     const SlabPipeline<kStages> pipeline_;
     const OffSurface off_surface_;
     bool down_ = false;
     std::array<Buffer<std::uint32_t>, 2> vertices_;  // by Skew
-    std::array<Buffer<float>, 2> sums_;
-    Buffer<float> below_, border_, rows_, swept_;
-    Buffer<std::uint32_t> words_;  // of all voxels
+    std::array<Buffer<std::int16_t>, 2> sums_;
+    Buffer<std::int16_t> below_, border_;
+    Buffer<float> rows_, swept_;
     Buffer<std::uint32_t> visibility_;
 };
 

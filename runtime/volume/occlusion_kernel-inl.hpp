@@ -1,5 +1,5 @@
-// One diagonal sweep of the improved form's fields through a group of rows and kSlices slices. Included once
-// a target.
+// One diagonal sweep of the improved form's fields through a pair of groups of rows and kSlices slices.
+// Included once a target.
 #if defined(DFIELD_VOLUME_OCCLUSION_KERNEL_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef DFIELD_VOLUME_OCCLUSION_KERNEL_INL_HPP
 #undef DFIELD_VOLUME_OCCLUSION_KERNEL_INL_HPP
@@ -18,27 +18,34 @@ HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::volume::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// A vertex as these sweeps see it, one word: the transmittance times 255 in the lowest byte, above it the
-// normal times 127, x, y and z as signed bytes. Beyond the grid it is open: light comes in unchanged.
+// A vertex as these sweeps see it, one word: the opacity times 255 in the lowest byte, above it the normal
+// times 127, x, y and z as signed bytes. Beyond the grid it is open: light comes in unchanged.
 constexpr float kNormalScale = 127;
-constexpr std::uint32_t kOpenVertex = 255;
+constexpr std::uint32_t kOpenVertex = 0;
+
+// The kernel works on pairs of groups of rows, in fixed point: kOne is 1.
+constexpr std::size_t kPairRows = 2 * kLanes;
+constexpr std::int16_t kOne = 0x7fff;
 
 struct OrdinateSweep {
-    std::ptrdiff_t vectors = 0;
+    std::ptrdiff_t vectors = 0;  // of a pair
     bool ascending = true;
-    std::ptrdiff_t slice_stride = 0;  // vectors' elements
-    const std::uint32_t* vertices = nullptr;
-    float* sum = nullptr;                 // sum of term (1 - V), or of term V where `lit`; null: not wanted
-    bool first = false;                   // begin the sums
-    std::uint32_t* visibility = nullptr;  // words for store_octants, or null
-    // 1 - V tau of each ordinate: of the slab before and of the group before.
-    float* below = nullptr;
-    std::ptrdiff_t below_stride = 0;  // to the next ordinate's
-    float* border = nullptr;
-    std::ptrdiff_t border_stride = 0;  // to the next slice's; kSlices of them to the next ordinate's
+    // The two groups' vector 0, moved to where the pair's lies: the pair's rows are skewed as one.
+    std::array<const std::uint32_t*, 2> vertices{};
+    std::ptrdiff_t vertices_stride = 0;  // to the next slice's, elements
+    // Sum of term (1 - V), or of term V where `lit`, in fixed point; null: not wanted.
+    std::int16_t* sum = nullptr;
+    std::ptrdiff_t sum_stride = 0;               // to the next slice's
+    bool first = false;                          // begin the sums
+    std::array<std::uint32_t*, 2> visibility{};  // the groups' words for store_octants, or null
+    // 1 - V tau: of the slab before, a vector for each ordinate, and of the last row of the pair before, at
+    // each x that of kSlices slices, of each the ordinates'. A slice's lag is not counted in this x, as it is
+    // the same for both.
+    std::int16_t* below = nullptr;
+    std::int16_t* border = nullptr;
     std::array<Ordinate, kMaxOrdinates> ordinates{};
     Sweep direction{};
-    float weight = 1;  // of the geometry term: 1 for an open sky of intensity 1
+    float weight = 1;  // of the geometry term, 1 at most
     bool lit = false;  // intensities other than 1
     bool through = false;
 };
@@ -54,102 +61,124 @@ class OrdinateKernel {
           order_(),
           direction_(sweep.ascending ? 1 : -1),
           start_(sweep.ascending ? 0 : sweep.vectors - 1),
-          enters_(sweep.ascending ? 0 : kN - 1),
-          leaves_(kN - 1 - enters_ + direction_),
-          least_(hn::Set(F(), sweep.through ? -1.0f : 0.0f)),
-          at_dark_(hn::Set(F(), sweep.lit ? 1.0f : 0.0f)),
-          per_dark_(hn::Set(F(), sweep.lit ? -1.0f : 1.0f)) {
+          enters_(sweep.ascending ? 0 : kRows - 1),
+          leaves_(kRows - 1 - enters_ + direction_),
+          through_(hn::Set(I16(), sweep.through ? -1 : 0)),
+          lit_(hn::Set(I16(), sweep.lit ? kOne : 0)) {
+        float scale = 0;
         for (std::size_t t = 0; t < kTriples; ++t) {
             const Ordinate& w = sweep.ordinates[3 * t];
             const float weights[3] = {w.x, w.y, w.z};
-            const float scale = -sweep.weight / (kNormalScale * std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z));
-            for (std::size_t i = 0; i < 3; ++i) {
-                weight_[t][i] = hn::Set(F(), weights[i]);
-                cosine_x_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.x));
-                cosine_y_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.y));
-                cosine_z_[t][i] = hn::Set(F(), weights[i] * scale * static_cast<float>(sweep.direction.z));
-            }
+            const float length = std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
+            for (std::size_t i = 0; i < 3; ++i) weight_[t][i] = fixed(weights[i]);
+            // The same for all. A normal's byte is in the upper half of 16 bits: 128 would be 1.
+            scale = -sweep.weight * 128 / (kNormalScale * length);
         }
+        scale_x_ = fixed(scale * static_cast<float>(sweep.direction.x));
+        scale_y_ = fixed(scale * static_cast<float>(sweep.direction.y));
+        scale_z_ = fixed(scale * static_cast<float>(sweep.direction.z));
         for (auto& slice : dark_)
-            for (VF& ordinate : slice) ordinate = hn::Zero(F());
+            for (VH& ordinate : slice) ordinate = hn::Zero(I16());
     }
 
     HWY_INLINE void run() {
         for (std::ptrdiff_t i = 0; i < s_.vectors + kS; ++i) {
 #pragma GCC unroll 4
-            for (std::ptrdiff_t p = kS - 1; p >= 0; --p) vertex(p, start_ + direction_ * (i - p));
+            for (std::ptrdiff_t p = kS - 1; p >= 0; --p) vertex(p, start_ + direction_ * i);
         }
     }
 
   private:
-    static constexpr std::ptrdiff_t kN = kLanes, kS = kSlices;
+    static constexpr std::ptrdiff_t kN = kLanes, kRows = kPairRows, kS = kSlices;
     static constexpr bool kSums = kWanted != Wanted::kOctants, kBytes = kWanted != Wanted::kVisibility;
     // Ordinates come in threes, the cyclic permutations of one: few weights have to stay in registers.
     static constexpr std::size_t kTriples = (kOrdinates + 2) / 3;
 
-    HWY_INLINE void vertex(std::ptrdiff_t p, std::ptrdiff_t t) {
-        const F f;
-        const I32 i32;
-        const std::ptrdiff_t voxel = p * s_.slice_stride + t * kN;
-        const auto word = hn::BitCast(i32, hn::Load(U32(), s_.vertices + voxel));
-        const VF tau = hn::Mul(hn::ConvertTo(f, hn::And(word, hn::Set(i32, 0xff))), hn::Set(f, 1.0f / 255));
-        const VF opacity = hn::Sub(hn::Set(f, 1.0f), tau);
-        VF nx = hn::Zero(f), ny = nx, nz = nx, sum = nx, darkness = nx;
+    static HWY_INLINE VH fixed(float value) {
+        return hn::Set(
+            I16(), static_cast<std::int16_t>(std::lround(std::clamp(value * 32768, -32767.0f, 32767.0f))));
+    }
+    static HWY_INLINE VH multiply(VH a, VH b) {
+        return hn::MulFixedPoint15(a, b);
+    }
+
+    // Of slice p, which lags p vectors behind `foremost`.
+    HWY_INLINE void vertex(std::ptrdiff_t p, std::ptrdiff_t foremost) {
+        const std::ptrdiff_t t = foremost - direction_ * p;
+        const I16 i16;
+        const U32 u32;
+        const std::ptrdiff_t at = p * s_.vertices_stride + t * kN;
+        const auto low = hn::Load(u32, s_.vertices[0] + at), high = hn::Load(u32, s_.vertices[1] + at);
+        const auto half = hn::Set(u32, 0xffff);
+        // The lower and the upper halves of the rows' words: opacity and x, y and z.
+        const VH ox = hn::BitCast(i16, select_bits(half, low, hn::ShiftLeft<16>(high)));
+        const hn::RebindToUnsigned<I16> u16;
+        const VH opacity = hn::BitCast(i16, hn::ShiftRight<1>(hn::ShiftLeft<8>(hn::BitCast(u16, ox))));
+        VH nx = hn::Zero(i16), ny = nx, nz = nx, sum = nx, mean = nx;
+        std::int16_t* const sums = s_.sum + p * s_.sum_stride + t * kRows;
         if constexpr (kSums) {
-            nx = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<16>(word)));
-            ny = hn::ConvertTo(f, hn::ShiftRight<24>(hn::ShiftLeft<8>(word)));
-            nz = hn::ConvertTo(f, hn::ShiftRight<24>(word));
-            if (!s_.first) sum = hn::Load(f, s_.sum + voxel);
+            const VH yz = hn::BitCast(i16, select_bits(half, hn::ShiftRight<16>(low), high));
+            const VH upper = hn::Set(i16, static_cast<std::int16_t>(0xff00));
+            nx = multiply(hn::And(ox, upper), scale_x_);
+            ny = multiply(hn::ShiftLeft<8>(yz), scale_y_);
+            nz = multiply(hn::And(yz, upper), scale_z_);
+            if (!s_.first) sum = hn::Load(i16, sums);
         }
 #pragma GCC unroll 6
         for (std::size_t o = 0; o < kOrdinates; ++o) {
-            float* const border =
-                s_.border + (static_cast<std::ptrdiff_t>(o) * kS + p) * s_.border_stride + t;
-            float* const below = s_.below + static_cast<std::ptrdiff_t>(o) * s_.below_stride + t * kN;
-            const VF dx = dark_[p][o], dy = order_.previous_row(dx, border - leaves_, border - enters_);
-            const VF dz = p > 0 ? dark_[p > 0 ? p - 1 : 0][o] : hn::Load(f, below);
+            constexpr auto kCount = static_cast<std::ptrdiff_t>(kOrdinates);
+            const auto ordinate = static_cast<std::ptrdiff_t>(o);
+            std::int16_t* const border = s_.border + (foremost * kS + p) * kCount + ordinate;
+            std::int16_t* const below = s_.below + (t * kCount + ordinate) * kRows;
+            const VH dx = dark_[p][o], dy = order_.previous_row(dx, border - leaves_ * kS * kCount,
+                                                                border - enters_ * kS * kCount);
+            const VH dz = p > 0 ? dark_[p > 0 ? p - 1 : 0][o] : hn::Load(i16, below);
             const std::size_t triple = o / 3, x = (3 - o % 3) % 3, y = (x + 1) % 3, z = (x + 2) % 3;
-            // Equation 6 for u = 1 - V, and 1 - V tau = (1 - tau) + tau u.
-            const VF u = hn::MulAdd(weight_[triple][x], dx,
-                                    hn::MulAdd(weight_[triple][y], dy, hn::Mul(weight_[triple][z], dz)));
-            dark_[p][o] = hn::MulAdd(tau, u, opacity);
-            if (p == kS - 1) hn::Store(dark_[p][o], f, below);
-            if constexpr (kBytes) darkness = hn::Add(darkness, u);
+            // Equation 6 for u = 1 - V, the weights' sum being 1: roundings leave it in [0, 1]. And
+            // 1 - V tau = u + (1 - tau) (1 - u).
+            const VH u = hn::Add(hn::Add(dz, multiply(weight_[triple][x], hn::Sub(dx, dz))),
+                                 multiply(weight_[triple][y], hn::Sub(dy, dz)));
+            const VH v = hn::Sub(hn::Set(i16, kOne), u);
+            dark_[p][o] = hn::Add(u, multiply(opacity, v));
+            if (p == kS - 1) hn::Store(dark_[p][o], i16, below);
+            if constexpr (kBytes) mean = hn::Add(mean, multiply(v, hn::Set(i16, kOne / kOrdinates)));
             if constexpr (kSums) {
-                const VF cosine =
-                    hn::MulAdd(cosine_x_[triple][x], nx,
-                               hn::MulAdd(cosine_y_[triple][y], ny, hn::Mul(cosine_z_[triple][z], nz)));
-                if constexpr (kWanted == Wanted::kVisibility)
-                    sum = hn::MulAdd(hn::Max(cosine, hn::Zero(f)), u, sum);
-                else
-                    sum = hn::MulAdd(hn::Max(cosine, hn::Mul(least_, cosine)),
-                                     hn::MulAdd(u, per_dark_, at_dark_), sum);
+                const VH cosine =
+                    hn::Add(hn::Add(multiply(weight_[triple][x], nx), multiply(weight_[triple][y], ny)),
+                            multiply(weight_[triple][z], nz));
+                if constexpr (kWanted == Wanted::kVisibility) {
+                    sum = hn::SaturatedAdd(sum, multiply(hn::Max(cosine, hn::Zero(i16)), u));
+                } else {
+                    const VH behind = hn::And(hn::Sub(hn::Zero(i16), cosine), through_);
+                    sum = hn::SaturatedAdd(sum, multiply(hn::Max(cosine, behind), hn::Xor(u, lit_)));
+                }
             }
         }
-        if constexpr (kSums) hn::Store(sum, f, s_.sum + voxel);
+        if constexpr (kSums) hn::Store(sum, i16, sums);
         if constexpr (kBytes) {
-            const VF mean = hn::NegMulAdd(darkness, hn::Set(f, 1.0f / kOrdinates), hn::Set(f, 1.0f));
-            bytes_.push(mean, hn::Set(f, 255.0f));
-            if (p == 0 && s_.visibility) hn::Store(bytes_.word, U32(), s_.visibility + t * kN);
+            const auto bytes = hn::BitCast(u32, multiply(mean, hn::Set(i16, 255)));
+            bytes_[0].push_byte(bytes);
+            bytes_[1].push_byte(hn::ShiftRight<16>(bytes));
+            if (p == 0 && s_.visibility[0])
+                for (std::size_t i = 0; i < 2; ++i) hn::Store(bytes_[i].word, u32, s_.visibility[i] + t * kN);
         }
     }
 
     const OrdinateSweep s_;
-    const RowOrder<kUpward> order_;
+    const HalvesOrder<kUpward> order_;
     const std::ptrdiff_t direction_, start_, enters_, leaves_;  // as GroupKernel's
-    const VF least_, at_dark_, per_dark_;
-    // Ordinate o of a triple has its weights from -o on, cyclically; times the geometry term's weight, of the
-    // normal's bytes, for cosines.
-    VF weight_[kTriples][3], cosine_x_[kTriples][3], cosine_y_[kTriples][3], cosine_z_[kTriples][3];
-    VF dark_[kSlices][kOrdinates];
-    SliceBytes bytes_;
+    const VH through_, lit_;
+    VH weight_[kTriples][3];          // ordinate o of a triple has them from -o on, cyclically
+    VH scale_x_, scale_y_, scale_z_;  // of the normal's bytes, to the geometry term's weight
+    VH dark_[kSlices][kOrdinates];
+    SliceBytes bytes_[2];
 };
 
 template<bool kUpward, std::size_t kOrdinates>
 void sweep_ordinates(const OrdinateSweep& sweep) {
     if (!sweep.sum)
         OrdinateKernel<kUpward, kOrdinates, Wanted::kOctants>(sweep).run();
-    else if (sweep.visibility || sweep.lit || sweep.through)
+    else if (sweep.visibility[0] || sweep.lit || sweep.through)
         OrdinateKernel<kUpward, kOrdinates, Wanted::kAnything>(sweep).run();
     else
         OrdinateKernel<kUpward, kOrdinates, Wanted::kVisibility>(sweep).run();

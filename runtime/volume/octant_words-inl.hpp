@@ -33,7 +33,11 @@ struct SliceBytes {
     HWY_INLINE void push(VF value, VF scale) {
         // Added to 2^23, a number's nearest integer is what its last bits say.
         const auto rounded = hn::BitCast(U32(), hn::MulAdd(value, scale, hn::Set(F(), 0x1p23f)));
-        word = select_bits(hn::Set(U32(), 0xff), rounded, hn::ShiftLeft<8>(word));
+        push_byte(rounded);
+    }
+    // The lowest bytes.
+    HWY_INLINE void push_byte(hn::Vec<U32> byte) {
+        word = select_bits(hn::Set(U32(), 0xff), byte, hn::ShiftLeft<8>(word));
     }
 };
 

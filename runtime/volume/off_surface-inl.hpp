@@ -43,8 +43,8 @@ class OffSurface {
             if (hn::AllFalse(tag, near)) return hn::StoreU(unmoved, tag, out + x);
             const auto g = row.at(tag, x);
             const auto chosen = hn::And(near, hn::Gt(g.square, hn::Zero(tag)));
-            const auto scale =
-                hn::IfThenElseZero(chosen, hn::Div(hn::Sub(hn::Set(tag, offset_), d), hn::Sqrt(g.square)));
+            const auto scale = hn::IfThenElseZero(
+                chosen, hn::Mul(hn::Sub(hn::Set(tag, offset_), d), hn::ApproximateReciprocalSqrt(g.square)));
             const auto moved = blend(tag, chosen, x, y, z, hn::Mul(g.x, scale), hn::Mul(g.y, scale),
                                      hn::Mul(g.z, scale), slices);
             hn::StoreU(hn::IfThenElse(chosen, moved, unmoved), tag, out + x);
