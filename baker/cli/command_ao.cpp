@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t kSharedRays = 512;  // over the whole sphere: half of them face a vertex
-constexpr std::uint32_t kDirectionDepth = 32;
 
 struct AoCommand {
     fs::path scene, output, image, cache;
@@ -232,8 +231,9 @@ void add_ao_command(CLI::App& app, ExitCode&) {
         ->capture_default_str()
         ->check(number_between(0, 180));
     add_ao_options(*ao, command->ao);
-    // Vertices of a scene stand among its objects: tangent planes cut them.
-    command->plan_options.directions.depth_size = kDirectionDepth;
+    // Vertices of a scene stand among its objects: tangent planes cut them. Depths coarser than the maps hide
+    // too much there.
+    command->plan_options.depths_by_default = true;
     add_plan_options(*ao, command->plan_options);
     ao->get_option("--kind")->description(
         "What is baked and looked up: maps (displacement maps), lines (a line table), directions (direction "

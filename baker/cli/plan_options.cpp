@@ -43,6 +43,7 @@ FieldPlan PlanOptions::plan() const {
             finest.map_size = *direction_size;
         else if (kind == "directions" && maps.map_size != FieldParameters{}.map_size)
             finest.map_size = maps.map_size;
+        finest.depth_size = direction_depth.value_or(depths_by_default ? finest.map_size : 0);
         // Each coarser level has half the subdivision and half the map size, as far as there is one.
         for (std::uint32_t level = 0; level < direction_levels; ++level) {
             plan.directions.insert(plan.directions.begin(), finest);
@@ -109,10 +110,10 @@ void add_plan_options(CLI::App& command, PlanOptions& options) {
         ->group("Direction maps");
     command
         .add_option(
-            "--direction-depth", options.directions.depth_size,
+            "--direction-depth", options.direction_depth,
             "Also the nearest and farthest hit of each direction, in maps of d x d texels (0: none), for "
             "receivers within the sphere and bounded distances")
-        ->capture_default_str()
+        ->default_str(options.depths_by_default ? "--direction-size" : "0")
         ->check(CLI::IsMember({0u, 8u, 16u, 32u, 64u, 128u}))
         ->group("Direction maps");
     command

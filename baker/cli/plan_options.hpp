@@ -22,6 +22,8 @@ struct PlanOptions {
     DirectionParameters directions;
     std::optional<std::uint32_t> direction_count;  // as given; directions.subdivision follows from it
     std::optional<std::uint32_t> direction_size;   // as given; --map-size where --kind directions
+    std::optional<std::uint32_t> direction_depth;  // as given; otherwise none, or
+    bool depths_by_default = false;                // as fine as the maps
     std::uint32_t direction_levels = 1;
 
     bool has_kind(const std::string& name) const;

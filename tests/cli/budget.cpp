@@ -33,18 +33,18 @@ Json check_choice(const Json& budget, double bytes) {
     CHECK(budget.at("bytes") == bytes);
     const Json& candidates = budget.at("candidates");
     const Json winner = candidates.at(budget.at("chosen").get<std::size_t>());
-    bool differs = false;  // by other rays other errors; a coarse field's may agree to all digits
+    int coincidences = 0;  // by other rays other errors; of many, two may agree to all digits
     for (const Json& candidate : candidates) {
         number(candidate, "memory_bytes", 100, bytes);
         for (const char* scene : {"corner", "corner-contact"}) {
             const double rms = number(candidate.at(scene), "rms_grey", 0.01, 100);
             number(candidate.at(scene), "max_grey", rms, 255);
-            differs |= number(candidate.at(scene), "rms_grey_converged", 0.01, 100) != rms;
+            coincidences += number(candidate.at(scene), "rms_grey_converged", 0.01, 100) == rms;
         }
         CHECK(candidate.at("corner").at("rms_grey") >=
               winner.at("corner").at("rms_grey").get<double>() - 0.01);
     }
-    CHECK(differs);
+    CHECK(coincidences <= 1);
     return winner;
 }
 
