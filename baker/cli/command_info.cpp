@@ -1,5 +1,6 @@
 #include "baker/cli/commands.hpp"
 #include "baker/cli/kinds_report.hpp"
+#include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/terminal.hpp"
 #include "baker/cli/verification.hpp"
@@ -82,8 +83,7 @@ void add_info_command(CLI::App& app, ExitCode&) {
     auto command = std::make_shared<InfoCommand>();
     CLI::App* info = app.add_subcommand("info", "Show what a .dfield holds");
     info->add_option("FILE", command->file, "A .dfield")->required();
-    info->add_option("--json", command->json, "Also write it as JSON to this file (- for stdout)")
-        ->type_name("FILE");
+    add_json_option(*info, command->json, "it");
     info->footer(
         "The payload hash is that of the decoded field: equal for equal models and parameters, whatever "
         "wrote "

@@ -1,5 +1,6 @@
 #include "baker/cli/commands.hpp"
 #include "baker/cli/kinds_report.hpp"
+#include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/file_io.hpp"
 #include "format/file.hpp"
@@ -14,9 +15,7 @@ void add_validate_command(CLI::App& app, ExitCode& exit_code) {
     CLI::App* validate =
         app.add_subcommand("validate", "Check a .dfield against the format; numbered findings");
     validate->add_option("FILE", command->file, "A .dfield")->required();
-    validate
-        ->add_option("--json", command->json, "Also write the findings as JSON to this file (- for stdout)")
-        ->type_name("FILE");
+    add_json_option(*validate, command->json, "the findings");
     validate->footer(
         "The numbers of findings are listed in format/FORMAT.md. Exit code 6 when there is an error.");
     validate->callback([command, &exit_code] {

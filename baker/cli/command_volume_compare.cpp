@@ -145,9 +145,7 @@ void add_volume_compare_command(CLI::App& volume) {
     CLI::App* compare =
         volume.add_subcommand("compare", "Each form of sweeping against rays: error and speed");
     add_volume_input(*compare, command->input);
-    compare->add_option("--iso", command->isovalue, "Isovalue: matter is where values are this or more")
-        ->required()
-        ->check(finite_number());
+    add_isovalue_option(*compare, command->isovalue);
     compare->add_option("--rays", command->rays, "Cosine-weighted rays a point")
         ->capture_default_str()
         ->check(CLI::Range(1, 65536));

@@ -1,4 +1,5 @@
 #include "baker/cli/command_volume.hpp"
+#include "baker/cli/options.hpp"
 #include "baker/cli/volume_input.hpp"
 
 namespace dfield::cli {
@@ -34,8 +35,7 @@ void add_volume_info_command(CLI::App& volume) {
     auto command = std::make_shared<InfoCommand>();
     CLI::App* info = volume.add_subcommand("info", "Show what a volume holds and where it lies");
     add_volume_input(*info, command->input);
-    info->add_option("--json", command->json, "Also write it as JSON to this file (- for stdout)")
-        ->type_name("FILE");
+    add_json_option(*info, command->json, "it");
     info->footer(
         "Directions are the steps from a voxel to the next along x, y and z in world units, the origin is "
         "the\n"

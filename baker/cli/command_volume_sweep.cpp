@@ -149,9 +149,7 @@ void add_volume_sweep_command(CLI::App& volume) {
     add_volume_input(*sweep, command->input);
     sweep->add_option("-o,--output", command->output, "Visibility, 1 = open: a float NRRD on FILE's grid")
         ->required();
-    sweep->add_option("--iso", command->isovalue, "Isovalue: matter is where values are this or more")
-        ->required()
-        ->check(finite_number());
+    add_isovalue_option(*sweep, command->isovalue);
     add_sweep_options(*sweep, command->options);
     sweep
         ->add_option("--light", command->light,

@@ -6,6 +6,7 @@
 
 #include "baker/cli/report.hpp"
 #include "baker/error.hpp"
+#include "baker/file_io.hpp"
 
 namespace dfield::cli {
 namespace {
@@ -92,12 +93,19 @@ void add_field_options(CLI::App& command, FieldParameters& parameters) {
         ->group("Field");
 }
 
+void add_json_option(CLI::App& command, std::string& target, const std::string& what) {
+    command.add_option("--json", target, "Also write " + what + " as JSON to this file (- for stdout)")
+        ->type_name("FILE")
+        ->each([](const std::string& file) {  // before the work, not after it
+            if (file != "-") check_output(file);
+        });
+}
+
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& threads_default) {
     command.add_option("--threads", options.threads, "Threads; results do not depend on it")
         ->default_str(threads_default)
         ->check(CLI::Range(1, 1024));
-    command.add_option("--json", options.json, "Also write the report as JSON to this file (- for stdout)")
-        ->type_name("FILE");
+    add_json_option(command, options.json, "the report");
     command.add_flag("--quiet,-q", options.quiet, "No progress");
 }
 

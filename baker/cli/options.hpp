@@ -18,6 +18,9 @@ CLI::Validator finite_number();
 // --subdivision --map-size --mapping --positions --bits
 void add_field_options(CLI::App& command, FieldParameters& parameters);
 
+// --json: `what` as it stands in the help. Throws OutputError in parsing where no file can be written.
+void add_json_option(CLI::App& command, std::string& target, const std::string& what);
+
 // --threads, --json, --quiet
 struct CommonOptions {
     int threads = 0;

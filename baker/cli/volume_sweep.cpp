@@ -63,6 +63,12 @@ double obliqueness(const VolumeGrid& grid) {
 
 }  // namespace
 
+void add_isovalue_option(CLI::App& command, float& isovalue) {
+    command.add_option("--iso", isovalue, "Isovalue: matter is where values are this or more")
+        ->required()
+        ->check(finite_number());
+}
+
 void add_sweep_options(CLI::App& command, SweepOptions& options) {
     std::vector<std::string> names;
     for (const SweepForm& form : kSweepForms) names.emplace_back(form.name);

@@ -23,6 +23,9 @@ inline constexpr SweepForm kSweepForms[] = {{"improved", DFIELD_FORM_IMPROVED, 2
                                             {"paper", DFIELD_FORM_PAPER, 24},
                                             {"combined", DFIELD_FORM_COMBINED, 24}};
 
+// --iso, required.
+void add_isovalue_option(CLI::App& command, float& isovalue);
+
 // --form --octants --intensity --gamma --alpha
 struct SweepOptions {
     std::string form = kSweepForms[0].name, octants, intensity;

@@ -99,6 +99,18 @@ Run Shell::interrupt(const Arguments& arguments) const {
     return finish(process);
 }
 
+void check_mistake(const Shell& shell, const Arguments& arguments, int exit_code, const std::string& said) {
+    const auto before = shell.list();
+    const Run run = shell.run(arguments);
+    std::string line = "dfield";
+    for (const std::string& argument : arguments) line += " '" + argument + "'";
+    INFO(line << "\nstderr: " << run.err);
+    CHECK(run.exit_code == exit_code);
+    CHECK(run.out.empty());
+    CHECK(contains(run.err, said));
+    CHECK(shell.list() == before);
+}
+
 Arguments with_small_field(Arguments arguments) {
     const Arguments small{"--subdivision", "4", "--map-size", "8"};
     arguments.insert(arguments.end(), small.begin(), small.end());

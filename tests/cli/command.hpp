@@ -44,6 +44,9 @@ class Shell {
     TestFolder folder_, cache_, streams_;
 };
 
+// A mistake gives its exit code and, on stderr alone, a message with `said` in it, and leaves no file behind.
+void check_mistake(const Shell& shell, const Arguments& arguments, int exit_code, const std::string& said);
+
 // A field that bakes in a millisecond; appended to the arguments.
 Arguments with_small_field(Arguments arguments);
 

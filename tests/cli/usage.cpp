@@ -15,19 +15,8 @@ struct Mistake {
     std::string said;  // part of the message
 };
 
-// Every mistake gives the exit code and a message on stderr alone, and leaves no file behind.
 void check_mistakes(const Shell& shell, const std::vector<Mistake>& mistakes, int exit_code) {
-    const auto before = shell.list();
-    for (const auto& [arguments, said] : mistakes) {
-        const Run run = shell.run(arguments);
-        std::string line = "dfield";
-        for (const std::string& argument : arguments) line += " '" + argument + "'";
-        INFO(line << "\nstderr: " << run.err);
-        CHECK(run.exit_code == exit_code);
-        CHECK(run.out.empty());
-        CHECK(contains(run.err, said));
-        CHECK(shell.list() == before);
-    }
+    for (const auto& [arguments, said] : mistakes) check_mistake(shell, arguments, exit_code, said);
 }
 
 Mistake bake(Arguments more, const std::string& said) {

@@ -81,7 +81,6 @@ TEST_CASE("volume: mistakes have the exit codes of the other commands") {
         arguments.insert(arguments.end(), more.begin(), more.end());
         return arguments;
     };
-    const auto before = shell.list();
     for (const auto& [arguments, exit_code, said] : std::vector<Mistake>{
              {{"volume"}, 2, "subcommand is required"},
              {{"volume", "frobnicate"}, 2, "subcommand is required"},
@@ -107,13 +106,6 @@ TEST_CASE("volume: mistakes have the exit codes of the other commands") {
              {{"volume", "info", "missing.nrrd"}, 3, "missing.nrrd: no such file"},
              {{"volume", "info", "short.nrrd"}, 3, "short.nrrd: 2 x 3 x 1 voxels"},
              {{"volume", "info", "cube.obj"}, 3, "unknown kind of volume '.obj'"},
-             {{"volume", "info", "a.nrrd", "--json", "none/report.json"}, 4, "does not exist"}}) {
-        const Run run = shell.run(arguments);
-        std::string line = "dfield";
-        for (const std::string& argument : arguments) line += " '" + argument + "'";
-        INFO(line << "\nstderr: " << run.err);
-        CHECK(run.exit_code == exit_code);
-        CHECK(contains(run.err, said));
-        CHECK(shell.list() == before);
-    }
+             {{"volume", "info", "a.nrrd", "--json", "none/report.json"}, 4, "does not exist"}})
+        check_mistake(shell, arguments, exit_code, said);
 }

@@ -128,7 +128,6 @@ TEST_CASE("volume render: mistakes") {
         int exit_code;
         std::string said;
     };
-    const auto before = shell.list();
     for (const auto& [more, exit_code, said] : std::vector<Mistake>{
              {{"sdf.nrrd", "--surface"}, 2, "--output is required"},
              {{"sdf.nrrd", "-o", "a.png"}, 2, "--tf FILE or --surface"},
@@ -153,14 +152,6 @@ TEST_CASE("volume render: mistakes") {
              {{"none.nrrd", "--surface", "-o", "a.png"}, 3, "none.nrrd: no such file"},
              {{"sdf.nrrd", "--surface", "--visibility", "small.nrrd", "-o", "a.png"}, 3, "1 x 1 x 1"},
              {{"sdf.nrrd", "--surface", "--visibility", "short.nrrd", "-o", "a.png"}, 3, "not i16"},
-             {{"sdf.nrrd", "--surface", "-o", "none/a.png"}, 4, "does not exist"}}) {
-        Arguments arguments = render(more);
-        const Run run = shell.run(arguments);
-        std::string line = "dfield";
-        for (const std::string& argument : arguments) line += " '" + argument + "'";
-        INFO(line << "\nstderr: " << run.err);
-        CHECK(run.exit_code == exit_code);
-        CHECK(contains(run.err, said));
-        CHECK(shell.list() == before);
-    }
+             {{"sdf.nrrd", "--surface", "-o", "none/a.png"}, 4, "does not exist"}})
+        check_mistake(shell, render(more), exit_code, said);
 }

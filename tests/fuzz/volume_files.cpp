@@ -1,8 +1,6 @@
 // libFuzzer: volume files. The first byte says what the rest is: NRRD, NIfTI, either of them compressed as a
 // whole or with its voxels compressed, so that mutations reach the header behind the compression. A file is
 // refused, or is a volume that holds what it says.
-#include <zlib.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -14,26 +12,13 @@
 #include "baker/volume/read_volume.hpp"
 #include "baker/volume/write_nrrd.hpp"
 #include "tests/fuzz/input.hpp"
+#include "tests/volume_files/gzip.hpp"
 
 namespace {
 
 using namespace dfield;
 
 using fuzz::require;
-
-std::string gzip(const std::string& bytes) {
-    z_stream stream{};
-    require(deflateInit2(&stream, 1, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string out(deflateBound(&stream, bytes.size()) + 64, '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    require(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
-}
 
 // A folder of this process, in memory where there is such a place.
 const std::filesystem::path& folder() {
@@ -93,11 +78,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             break;
         case 2:
             name = "a.nii.gz";
-            bytes = gzip(rest);
+            bytes = test::gzip(rest);
             break;
         case 3:  // an NRRD whose voxels are compressed
             if (const std::size_t blank = rest.find("\n\n"); blank != std::string::npos)
-                bytes = rest.substr(0, blank + 2) + gzip(rest.substr(blank + 2));
+                bytes = rest.substr(0, blank + 2) + test::gzip(rest.substr(blank + 2));
             break;
         case 4:  // a detached header before its voxels
             name = "a.nhdr";

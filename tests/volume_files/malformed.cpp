@@ -10,8 +10,6 @@ using Catch::Contains;
 
 namespace {
 
-const std::string kVoxels("\0\1\2\3\4\5\6\7\10\11\12\13", 12);
-
 std::string error_in(const std::string& name, const std::string& bytes) {
     const TestFolder folder;
     return error_of(folder.write(name, bytes));

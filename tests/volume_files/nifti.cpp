@@ -9,9 +9,6 @@ using Catch::Contains;
 
 namespace {
 
-const std::string kVoxels("\0\1\2\3\4\5\6\7\10\11\12\13", 12);
-const std::vector<std::uint8_t> kValues{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-
 Volume read(const NiftiHeader& header, const std::string& voxels = kVoxels) {
     const TestFolder folder;
     return read_volume(folder.write("a.nii", header.bytes() + voxels));

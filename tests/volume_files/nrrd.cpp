@@ -37,9 +37,6 @@ Volume read(const std::string& bytes, std::vector<std::string>* warnings = nullp
     return read_volume(folder.write("a.nrrd", bytes), {}, warnings);
 }
 
-const std::string kVoxels("\0\1\2\3\4\5\6\7\10\11\12\13", 12);
-const std::vector<std::uint8_t> kValues{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-
 }  // namespace
 
 TEST_CASE("NRRD: every type, in both byte orders, by all of its names") {

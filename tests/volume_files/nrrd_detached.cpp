@@ -7,8 +7,6 @@ using Catch::Contains;
 
 namespace {
 
-const std::string kVoxels("\0\1\2\3\4\5\6\7\10\11\12\13", 12);
-const std::vector<std::uint8_t> kValues{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 const std::string kHead = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 3 2\nencoding: raw\n";
 
 std::vector<std::uint8_t> read(const std::filesystem::path& path) {

@@ -1,8 +1,6 @@
 // Volume files byte by byte, written without the libraries that read them.
 #pragma once
 
-#include <zlib.h>
-
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <string>
@@ -11,6 +9,7 @@
 #include "baker/error.hpp"
 #include "baker/volume/read_volume.hpp"
 #include "tests/import/test_files.hpp"
+#include "tests/volume_files/gzip.hpp"
 
 namespace dfield::test {
 
@@ -21,6 +20,10 @@ std::vector<T> sample_voxels() {
     return {
         Limits::lowest(), Limits::max(), T(0), T(1), T(2), T(100), T(7), T(31), T(63), T(64), T(65), T(126)};
 }
+
+// 2 x 3 x 2 bytes, as a file has them and as they are read.
+inline const std::string kVoxels("\0\1\2\3\4\5\6\7\10\11\12\13", 12);
+inline const std::vector<std::uint8_t> kValues{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 
 template<class T>
 std::string bytes_of_all(const std::vector<T>& values, bool big_endian = false) {
@@ -33,20 +36,6 @@ template<class T>
 std::vector<T> voxels_of(const Volume& volume) {
     const auto voxels = volume.voxels<T>();
     return {voxels.begin(), voxels.end()};
-}
-
-inline std::string gzip(const std::string& bytes) {
-    z_stream stream{};
-    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string out(deflateBound(&stream, bytes.size()) + 64, '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
 }
 
 // An attached NRRD: the fields that all have, `more` lines, a blank line, the voxels.
