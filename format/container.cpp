@@ -24,14 +24,14 @@ struct KnownSection {
     bool optional;
 };
 constexpr auto kKnownSections = [] {
-    std::array<KnownSection, 7 + layout::kDirectionLevels.size()> sections{};
+    std::array<KnownSection, 8 + layout::kDirectionLevels.size()> sections{};
     std::size_t count = 0;
     const auto add = [&](std::string_view id, bool optional) { sections[count++] = {id, optional}; };
     for (const auto id : {layout::kField, layout::kMask, layout::kDistances, layout::kMeanDepth})
         add(id, false);
     add(layout::kLines, true);
     for (const auto id : layout::kDirectionLevels) add(id, true);
-    for (const auto id : {layout::kSelfVisibility, layout::kProvenance}) add(id, true);
+    for (const auto id : {layout::kVolume, layout::kSelfVisibility, layout::kProvenance}) add(id, true);
     return sections;
 }();
 

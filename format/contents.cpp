@@ -160,6 +160,36 @@ bool finer_level(const DirectionParameters& coarse, const DirectionParameters& f
             fine.depth_size > coarse.depth_size);
 }
 
+std::optional<ContentError> volume_error(const OcclusionVolume& volume) {
+    if (const std::string wrong = volume_dims_error(volume.dims, volume.far_size); !wrong.empty())
+        return ContentError{Code::kParameters, layout::kVolumeDimsAt, wrong};
+    const auto grid_error = [](Code code, std::size_t at, const char* what) {
+        return ContentError{code, at, what};
+    };
+    if (!std::isfinite(volume.spacing) || !std::isfinite(volume.blend))
+        return grid_error(Code::kNotFinite, layout::kVolumeSpacingAt,
+                          "the occlusion volume's spacing or blend is not finite");
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float low = volume.origin[static_cast<int>(axis)];
+        if (!std::isfinite(low) ||
+            !std::isfinite(low + volume.spacing * static_cast<float>(volume.dims[axis])))
+            return grid_error(Code::kNotFinite, layout::kVolumeOriginAt + 4 * axis,
+                              "the occlusion volume's box is not finite");
+    }
+    if (!(volume.spacing > 0) || !std::isnormal(volume.spacing) || !std::isnormal(1 / volume.spacing))
+        return grid_error(
+            Code::kVolumeGrid, layout::kVolumeSpacingAt,
+            "the occlusion volume's spacing is not a positive normal number with a normal inverse");
+    if (!(volume.blend >= volume.spacing))
+        return grid_error(Code::kVolumeGrid, layout::kVolumeBlendAt,
+                          "the occlusion volume's blend is less than its spacing");
+    if (volume.octants.size() != 2 * volume.samples() ||
+        volume.far.size() != std::size_t{volume.far_size} * volume.far_size)
+        return grid_error(Code::kVolume, layout::kVolumeHeaderBytes,
+                          "the occlusion volume has other sizes than its dimensions say");
+    return std::nullopt;
+}
+
 std::optional<ContentError> provenance_error(std::string_view text) {
     const auto error = [](std::size_t at, const std::string& what) {
         return ContentError{Code::kProvenance, at, "the provenance " + what};

@@ -41,6 +41,9 @@ std::optional<ContentError> direction_maps_error(const DirectionMaps& maps);
 // From coarse to fine: neither subdivision nor map size falls, and one of them or the depth size rises.
 bool finer_level(const DirectionParameters& coarse, const DirectionParameters& fine);
 
+// Dimensions, sizes, origin, spacing and blend. Offsets are into section VOLU.
+std::optional<ContentError> volume_error(const OcclusionVolume& volume);
+
 // UTF-8 without control characters but white space, from { to }, 2..kMaxProvenanceBytes. Not parsed.
 std::optional<ContentError> provenance_error(std::string_view text);
 

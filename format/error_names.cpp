@@ -68,6 +68,10 @@ std::string_view format_error_name(FormatErrorCode code) {
             return "direction-maps";
         case FormatErrorCode::kDirectionLevels:
             return "direction-levels";
+        case FormatErrorCode::kVolume:
+            return "volume";
+        case FormatErrorCode::kVolumeGrid:
+            return "volume-grid";
         case FormatErrorCode::kNewerMinor:
             return "newer-minor";
         case FormatErrorCode::kSkippedSection:

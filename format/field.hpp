@@ -12,6 +12,7 @@
 
 #include "format/direction_maps.hpp"
 #include "format/line_table.hpp"
+#include "format/occlusion_volume.hpp"
 
 namespace dfield {
 
@@ -68,7 +69,7 @@ inline constexpr std::uint8_t kMiss8 = 255;
 inline constexpr std::uint16_t kMiss16 = 65535;
 inline constexpr float kMiss32 = 1.0f;
 
-// What a .dfield holds: up to three kinds of precomputed visibility of one object. The sphere and the box are
+// What a .dfield holds: up to four kinds of precomputed visibility of one object. The sphere and the box are
 // always there, each kind may be absent.
 struct DisplacementField {
     explicit DisplacementField(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
@@ -97,6 +98,9 @@ struct DisplacementField {
     // Direction maps, coarse levels of detail first: subdivision and map size never fall from a level to the
     // next, and no two levels have the same parameters. At most kMaxDirectionLevels.
     std::pmr::vector<DirectionMaps> directions;
+
+    // Optional: how much of each octant of the sky the object leaves open around it.
+    std::optional<OcclusionVolume> volume;
 
     // JSON text: mesh hash, parameters, versions of the tools. No times, no paths. May be empty.
     std::string provenance;

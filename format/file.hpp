@@ -33,6 +33,7 @@ struct ReadLimits {
     std::uint64_t max_self_vertices = kMaxSelfVertices;
     std::uint64_t max_line_bytes = kMaxLineTableBytes;       // of the line table, in memory
     std::uint64_t max_direction_bytes = kMaxDirectionBytes;  // of all loaded levels, in memory
+    std::uint64_t max_volume_bytes = kMaxVolumeBytes;        // of the occlusion volume, in memory
 };
 
 // What of a file is loaded. What is left out is neither decompressed nor checked beyond the section table,
@@ -44,6 +45,7 @@ struct ReadOptions {
     // Direction maps: at most so many levels of detail, the coarsest ones.
     std::uint32_t direction_levels = kMaxDirectionLevels;
     bool self_visibility = true;
+    bool volume = true;  // the occlusion volume
 };
 
 // One result of validation. Errors make read_field refuse the file; warnings do not.
@@ -80,7 +82,7 @@ FileInfo read_file_info(std::span<const std::byte> bytes);
 std::vector<Finding> validate_file(std::span<const std::byte> bytes, const ReadLimits& limits = {});
 
 // XXH3-128 of all that a field holds but its provenance as 32 hex digits: equal for equal bakes, whatever the
-// zstd version. Without line table and direction maps it is the hash that format version 1.0 had.
+// zstd version. Of displacement maps alone it is the hash that format version 1.0 had.
 std::string payload_hash(const DisplacementField& field);
 
 }  // namespace dfield

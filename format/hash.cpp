@@ -96,6 +96,19 @@ std::array<std::byte, 8> direction_section_prefix(const DirectionMaps& maps) {
     return bytes;
 }
 
+std::array<std::byte, 32> volume_section_prefix(const OcclusionVolume& volume) {
+    static_assert(layout::kVolumeHashedBytes == 32);
+    std::array<std::byte, layout::kVolumeHashedBytes> bytes{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        store_le(&bytes[layout::kVolumeDimsAt + 2 * axis], static_cast<std::uint16_t>(volume.dims[axis]));
+        store_float(&bytes[layout::kVolumeOriginAt + 4 * axis], volume.origin[static_cast<int>(axis)]);
+    }
+    store_le(&bytes[layout::kVolumeFarSizeAt], static_cast<std::uint16_t>(volume.far_size));
+    store_float(&bytes[layout::kVolumeSpacingAt], volume.spacing);
+    store_float(&bytes[layout::kVolumeBlendAt], volume.blend);
+    return bytes;
+}
+
 Digest field_digest(const DisplacementField& field) {
     Hash hash;
     hash.add_bytes(field_section_prefix(field));
@@ -123,9 +136,17 @@ Digest direction_digest(const DirectionMaps& maps) {
     return hash.digest();
 }
 
+Digest volume_digest(const OcclusionVolume& volume) {
+    Hash hash;
+    hash.add_bytes(volume_section_prefix(volume));
+    hash.add_words(volume.far);
+    hash.add_words(volume.octants);
+    return hash.digest();
+}
+
 Digest payload_digest(const DisplacementField& field) {
     const Digest of_field = field_digest(field);
-    if (!field.lines && field.directions.empty()) return of_field;
+    if (!field.lines && field.directions.empty() && !field.volume) return of_field;
     Hash hash;
     hash.add_bytes(of_field);
     const auto add_section = [&](std::string_view id, const Digest& digest) {
@@ -135,6 +156,7 @@ Digest payload_digest(const DisplacementField& field) {
     if (field.lines) add_section(layout::kLines, line_digest(*field.lines));
     for (std::size_t level = 0; level < field.directions.size(); ++level)
         add_section(layout::kDirectionLevels.at(level), direction_digest(field.directions[level]));
+    if (field.volume) add_section(layout::kVolume, volume_digest(*field.volume));
     return hash.digest();
 }
 

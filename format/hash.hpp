@@ -25,11 +25,13 @@ using Digest = std::array<std::byte, 16>;
 // What FELD states: sphere, displacement maps, mean depths and self visibilities.
 Digest field_digest(const DisplacementField& field);
 
-// What LINE and each of DM00 to DM07 state: the header's first bytes (layout.hpp) and the content.
+// What LINE, each of DM00 to DM07 and VOLU state: the header's first bytes (layout.hpp) and the content.
 std::array<std::byte, 56> line_section_prefix(const LineTable& table);
 std::array<std::byte, 8> direction_section_prefix(const DirectionMaps& maps);
+std::array<std::byte, 32> volume_section_prefix(const OcclusionVolume& volume);
 Digest line_digest(const LineTable& table);
 Digest direction_digest(const DirectionMaps& maps);
+Digest volume_digest(const OcclusionVolume& volume);
 
 // payload_hash (file.hpp).
 Digest payload_digest(const DisplacementField& field);

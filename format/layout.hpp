@@ -45,6 +45,8 @@ enum class FormatErrorCode : std::uint32_t {
     kLineTransform = 314,      // map to the line table's unit sphere not invertible
     kDirectionMaps = 315,      // direction maps cannot be decoded
     kDirectionLevels = 316,    // levels of direction maps not from coarse to fine
+    kVolume = 317,             // occlusion volume cannot be decoded
+    kVolumeGrid = 318,         // an occlusion volume's spacing or blend that cannot be
     kNewerMinor = 901,         // warning: newer minor version
     kSkippedSection = 902,     // warning: unknown optional section
     kNoProvenance = 903,       // warning: no provenance
@@ -57,7 +59,7 @@ std::string_view format_error_name(FormatErrorCode code);
 namespace layout {
 
 inline constexpr std::uint16_t kVersionMajor = 1;
-inline constexpr std::uint16_t kVersionMinor = 1;
+inline constexpr std::uint16_t kVersionMinor = 2;
 
 // As PNG's: a high bit for 7-bit channels, both line ends for those who convert them, Ctrl-Z for `type`.
 inline constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'D', 'F', 'L', '\r', '\n', 0x1a, '\n'};
@@ -92,7 +94,8 @@ constexpr std::uint64_t align_section(std::uint64_t offset) {
 
 // Sections, in the order in which they must come.
 inline constexpr std::string_view kField = "FELD", kMask = "MASK", kDistances = "DIST", kMeanDepth = "MEAN",
-                                  kLines = "LINE", kSelfVisibility = "SELF", kProvenance = "PROV";
+                                  kLines = "LINE", kVolume = "VOLU", kSelfVisibility = "SELF",
+                                  kProvenance = "PROV";
 inline constexpr std::array<std::string_view, 8> kDirectionLevels = {"DM00", "DM01", "DM02", "DM03",
                                                                      "DM04", "DM05", "DM06", "DM07"};
 
@@ -140,7 +143,19 @@ inline constexpr std::size_t kDirectionHashAt = 16;        // 16 bytes
 inline constexpr std::size_t kDirectionHeaderBytes = 32;
 static_assert(kDirectionHashAt + 16 == kDirectionHeaderBytes);
 
-// How the content of such a section is stored.
+// Section VOLU: this header, the far balls, the coded octants.
+inline constexpr std::size_t kVolumeDimsAt = 0;         // 3 u16
+inline constexpr std::size_t kVolumeFarSizeAt = 6;      // u16
+inline constexpr std::size_t kVolumeOriginAt = 8;       // 3 f32
+inline constexpr std::size_t kVolumeSpacingAt = 20;     // f32
+inline constexpr std::size_t kVolumeBlendAt = 24;       // f32
+inline constexpr std::size_t kVolumeReserved32At = 28;  // u32, zero
+inline constexpr std::size_t kVolumeHashedBytes = 32;   // the content hash begins with these
+inline constexpr std::size_t kVolumeHashAt = 32;        // 16 bytes
+inline constexpr std::size_t kVolumeHeaderBytes = 48;
+static_assert(kVolumeReserved32At + 4 == kVolumeHashedBytes && kVolumeHashAt + 16 == kVolumeHeaderBytes);
+
+// How the content of LINE and DM00 to DM07 is stored.
 inline constexpr std::uint8_t kPlainMode = 0, kModelledMode = 1;
 
 }  // namespace layout

@@ -24,6 +24,7 @@ void FieldReader::read(DisplacementField& field) {
     if (options_.maps && has_maps(stored_)) read_texels(field);
     if (options_.lines) read_lines(field);
     read_directions(field);
+    if (options_.volume) read_volume(field);
     if (options_.self_visibility) read_self_visibility(field);
     read_provenance(field);
     if (report_.error_count() == 0 && covers_hash() && field_digest(field) != digest_)
@@ -103,9 +104,11 @@ bool FieldReader::check_section_set(const FieldParameters& p) {
         before = section != nullptr;
     }
     if (!has_maps(p) && find_section(info_, layout::kLines) == nullptr &&
-        find_section(info_, layout::kDirectionLevels[0]) == nullptr)
+        find_section(info_, layout::kDirectionLevels[0]) == nullptr &&
+        find_section(info_, layout::kVolume) == nullptr)
         good = report_.error(Code::kSectionMissing, layout::kHeaderBytes,
-                             "there are neither displacement maps nor a line table nor direction maps" +
+                             "there are neither displacement maps nor a line table nor direction maps nor an "
+                             "occlusion volume" +
                                  std::string(kBakeAgain));
     return good;
 }
@@ -138,6 +141,9 @@ bool FieldReader::check_raw_sizes(const FieldParameters& p) {
             check(layout::kDirectionLevels[level], layout::kDirectionHeaderBytes,
                   layout::kDirectionHeaderBytes + std::min(limits.max_direction_bytes, kMaxDirectionBytes),
                   1);
+    if (options_.volume)
+        check(layout::kVolume, layout::kVolumeHeaderBytes,
+              layout::kVolumeHeaderBytes + std::min(limits.max_volume_bytes, kMaxVolumeBytes), 1);
     if (options_.self_visibility)
         check(layout::kSelfVisibility, 2, 2 * std::min(limits.max_self_vertices, kMaxSelfVertices), 2);
     check(layout::kProvenance, 2, kMaxProvenanceBytes, 1);
@@ -221,6 +227,14 @@ bool FieldReader::read_directions(DisplacementField& field) {
                 "section " + section->id + " is no finer than the level before it" + kBakeAgain);
     }
     return true;
+}
+
+bool FieldReader::read_volume(DisplacementField& field) {
+    const SectionInfo* section = find_section(info_, layout::kVolume);
+    if (section == nullptr) return true;
+    OcclusionVolume& volume = field.volume.emplace(memory_);
+    const std::uint64_t limit = std::min(options_.limits.max_volume_bytes, kMaxVolumeBytes);
+    return decode_section(*section, [&](const auto& raw) { return decode_volume(raw, limit, volume); });
 }
 
 bool FieldReader::read_self_visibility(DisplacementField& field) {

@@ -29,6 +29,7 @@ class FieldReader {
     bool read_texels(DisplacementField& field);
     bool read_lines(DisplacementField& field);
     bool read_directions(DisplacementField& field);
+    bool read_volume(DisplacementField& field);
     bool read_self_visibility(DisplacementField& field);
     bool read_provenance(DisplacementField& field);
     // A section's raw bytes and what is wrong with them to the report.

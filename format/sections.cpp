@@ -5,6 +5,7 @@
 #include "format/bytes.hpp"
 #include "format/codec_directions.hpp"
 #include "format/codec_lines.hpp"
+#include "format/codec_volume.hpp"
 #include "format/hash.hpp"
 #include "format/layout.hpp"
 
@@ -134,6 +135,39 @@ std::optional<ContentError> decode_directions(Bytes raw, std::uint64_t max_bytes
     if (auto error = direction_maps_error(maps)) return error;
     if (!states(raw, layout::kDirectionHashAt, direction_digest(maps)))
         return content_error(Code::kPayloadHash, layout::kDirectionHashAt, kOtherHash);
+    return std::nullopt;
+}
+
+std::optional<ContentError> decode_volume(Bytes raw, std::uint64_t max_bytes, OcclusionVolume& volume) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        volume.dims[axis] = load_le<std::uint16_t>(&raw[layout::kVolumeDimsAt + 2 * axis]);
+        volume.origin[static_cast<int>(axis)] = load_float(&raw[layout::kVolumeOriginAt + 4 * axis]);
+    }
+    volume.far_size = load_le<std::uint16_t>(&raw[layout::kVolumeFarSizeAt]);
+    volume.spacing = load_float(&raw[layout::kVolumeSpacingAt]);
+    volume.blend = load_float(&raw[layout::kVolumeBlendAt]);
+
+    if (auto error = reserved_error(raw, layout::kVolumeReserved32At, 4)) return error;
+    if (const std::string wrong = volume_dims_error(volume.dims, volume.far_size); !wrong.empty())
+        return content_error(Code::kParameters, layout::kVolumeDimsAt, wrong);
+    const std::uint64_t far = std::uint64_t{volume.far_size} * volume.far_size, samples = volume.samples();
+    if (auto error = memory_error(4 * far + 8 * samples, max_bytes, "the occlusion volume")) return error;
+    const Bytes content = raw.subspan(layout::kVolumeHeaderBytes);
+    if (content.size() != 4 * far + 8 * samples)
+        return content_error(Code::kVolume, layout::kVolumeHeaderBytes,
+                             "the occlusion volume has other bytes than its dimensions say");
+    volume.far.resize(far);
+    for (std::size_t i = 0; i < far; ++i) volume.far[i] = load_le<std::uint32_t>(&content[4 * i]);
+    const Bytes residuals = content.subspan(4 * far);
+    volume.octants.resize(2 * samples);
+    codec::for_octants(volume, [&](std::size_t octant, std::size_t sample, int expected) {
+        volume.set_octant(sample, octant,
+                          codec::unfold_residual(
+                              std::to_integer<std::uint8_t>(residuals[octant * samples + sample]), expected));
+    });
+    if (auto error = volume_error(volume)) return error;
+    if (!states(raw, layout::kVolumeHashAt, volume_digest(volume)))
+        return content_error(Code::kPayloadHash, layout::kVolumeHashAt, kOtherHash);
     return std::nullopt;
 }
 

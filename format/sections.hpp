@@ -1,5 +1,5 @@
-// Line tables and direction maps to the raw bytes of their sections and back. FORMAT.md, "LINE" and "DM00 to
-// DM07", is normative.
+// Line tables, direction maps and occlusion volumes to the raw bytes of their sections and back. FORMAT.md,
+// "LINE", "DM00 to DM07" and "VOLU", is normative.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,13 @@ std::optional<ContentError> decode_lines(std::span<const std::byte> raw, std::ui
                                          LineTable& table, std::pmr::memory_resource* memory);
 std::optional<ContentError> decode_directions(std::span<const std::byte> raw, std::uint64_t max_bytes,
                                               DirectionMaps& maps, std::pmr::memory_resource* memory);
+std::optional<ContentError> decode_volume(std::span<const std::byte> raw, std::uint64_t max_bytes,
+                                          OcclusionVolume& volume);
 
 // The writing half: sections_encode.cpp, library dfield_format_write. The tables keep the format's rules
 // (contents.hpp).
 std::vector<std::byte> encode_lines(const LineTable& table);
 std::vector<std::byte> encode_directions(const DirectionMaps& maps);
+std::vector<std::byte> encode_volume(const OcclusionVolume& volume);
 
 }  // namespace dfield

@@ -4,6 +4,7 @@
 #include "format/bytes.hpp"
 #include "format/codec_directions.hpp"
 #include "format/codec_lines.hpp"
+#include "format/codec_volume.hpp"
 #include "format/hash.hpp"
 #include "format/layout.hpp"
 #include "format/sections.hpp"
@@ -63,6 +64,19 @@ std::vector<std::byte> encode_directions(const DirectionMaps& maps) {
         for (const std::uint8_t byte : {depth.nearest, depth.farthest}) plain.push_back(std::byte{byte});
     return section(layout::kDirectionHeaderBytes, direction_section_prefix(maps), layout::kDirectionModeAt,
                    layout::kDirectionHashAt, direction_digest(maps), encoder.finish(), plain);
+}
+
+std::vector<std::byte> encode_volume(const OcclusionVolume& volume) {
+    const auto prefix = volume_section_prefix(volume);
+    const Digest digest = volume_digest(volume);
+    Bytes raw(layout::kVolumeHeaderBytes);
+    std::copy(prefix.begin(), prefix.end(), raw.begin());
+    std::copy(digest.begin(), digest.end(), raw.begin() + static_cast<std::ptrdiff_t>(layout::kVolumeHashAt));
+    append_words(raw, volume.far);
+    codec::for_octants(volume, [&](std::size_t octant, std::size_t sample, int expected) {
+        raw.push_back(std::byte{codec::fold_residual(volume.octant(sample, octant), expected)});
+    });
+    return raw;
 }
 
 }  // namespace dfield

@@ -39,8 +39,8 @@ void require_sizes(const DisplacementField& field) {
     require(field.directions.size() <= kMaxDirectionLevels && direction_bytes <= kMaxDirectionBytes,
             "direction maps have more than " + std::to_string(kMaxDirectionLevels) + " levels or " +
                 std::to_string(kMaxDirectionBytes) + " bytes");
-    require(has_maps(p) || field.lines || !field.directions.empty(),
-            "it has neither displacement maps nor a line table nor direction maps");
+    require(has_maps(p) || field.lines || !field.directions.empty() || field.volume,
+            "it has neither displacement maps nor a line table nor direction maps nor an occlusion volume");
     require(field.self_visibility.size() <= kMaxSelfVertices,
             "self_visibility has more than " + std::to_string(kMaxSelfVertices) + " values");
 }
@@ -71,6 +71,7 @@ void require_good(const std::optional<ContentError>& error) {
 
 void require_kinds(const DisplacementField& field) {
     if (field.lines) require_good(line_table_error(*field.lines));
+    if (field.volume) require_good(volume_error(*field.volume));
     for (std::size_t level = 0; level < field.directions.size(); ++level) {
         require_good(direction_maps_error(field.directions[level]));
         require(
@@ -154,6 +155,13 @@ std::vector<Section> raw_sections(const DisplacementField& field, std::span<cons
                             encode_directions(field.directions[level]),
                             {},
                             {}});
+    if (field.volume) {
+        const std::size_t plane = field.volume->samples();
+        Section volume{layout::kVolume, layout::kFlagOptional, encode_volume(*field.volume), {}, {}};
+        for (std::size_t octants = kVolumeOctants; octants > 0; --octants)
+            volume.ends.push_back(volume.raw.size() - octants * plane);
+        sections.push_back(std::move(volume));
+    }
     if (!field.self_visibility.empty())
         sections.push_back({layout::kSelfVisibility,
                             layout::kFlagOptional,

@@ -19,12 +19,14 @@ namespace {
 constexpr ReadLimits kSmallLimits{.max_texel_bytes = 1 << 14,
                                   .max_self_vertices = 1 << 10,
                                   .max_line_bytes = 1 << 12,
-                                  .max_direction_bytes = 1 << 13};
+                                  .max_direction_bytes = 1 << 13,
+                                  .max_volume_bytes = 1 << 11};
 
 // FORMAT.md, "Memory": with P <= 2 T, N <= T and E <= X that is below this for every field within the limits.
-constexpr std::uint64_t kSmallBound = 22 * kSmallLimits.max_texel_bytes + 4 * kSmallLimits.max_self_vertices +
-                                      2 * (kSmallLimits.max_line_bytes + kSmallLimits.max_direction_bytes) +
-                                      kMaxProvenanceBytes + (256 << 10);
+constexpr std::uint64_t kSmallBound =
+    22 * kSmallLimits.max_texel_bytes + 4 * kSmallLimits.max_self_vertices +
+    2 * (kSmallLimits.max_line_bytes + kSmallLimits.max_direction_bytes + kSmallLimits.max_volume_bytes) +
+    kMaxProvenanceBytes + (256 << 10);
 
 void mutate_bytes(Bits& random, Bytes& bytes) {
     static constexpr std::uint8_t kInteresting[] = {0, 1, 2, 0x7f, 0x80, 0xfe, 0xff};
@@ -114,7 +116,7 @@ TEST_CASE("mutated files are refused, or are fields") {
         FileEditor editor(bytes);
         sources.push_back({std::move(bytes), std::move(editor)});
     }
-    DisplacementField kinds = make_all_kinds(1);
+    DisplacementField kinds = make_all_kinds_and_volume(1);
     for (int i = 0; i < 2; ++i) {  // twice as often as the others
         Bytes bytes = write_field(kinds, {.zstd_level = 1});
         FileEditor editor(bytes);
@@ -144,11 +146,11 @@ TEST_CASE("mutated files are refused, or are fields") {
     CHECK(outcomes["unknown"] == 0);
     // The mutations get to all stages.
     for (const char* stage :
-         {"accepted",        "version",         "section-count",     "section-flags",   "section-order",
-          "section-unknown", "section-missing", "section-placement", "section-padding", "section-raw-size",
-          "section-frame",   "reserved",        "parameters",        "memory-limit",    "not-finite",
-          "radius",          "bounds",          "hit-mask",          "distances",       "provenance",
-          "payload-hash",    "line-table",      "direction-maps",    "direction-levels"}) {
+         {"accepted",        "version",         "section-count",     "section-flags",    "section-order",
+          "section-unknown", "section-missing", "section-placement", "section-padding",  "section-raw-size",
+          "section-frame",   "reserved",        "parameters",        "memory-limit",     "not-finite",
+          "radius",          "bounds",          "hit-mask",          "distances",        "provenance",
+          "payload-hash",    "line-table",      "direction-maps",    "direction-levels", "volume"}) {
         INFO(stage);
         CHECK(outcomes[stage] > 0);
     }
@@ -181,6 +183,8 @@ TEST_CASE("reading takes no more memory than FORMAT.md states") {
             field.directions.push_back(make_direction_maps(p, pattern));
             content += field.directions.back().memory_bytes();
         }
+        field.volume = make_volume({20, 11, 13}, 9, pattern);
+        content += field.volume->memory_bytes();
         const Bytes bytes = write_field(field, {.zstd_level = 1});
         std::uint64_t largest = 0;
         for (const SectionInfo& section : read_file_info(bytes).sections)

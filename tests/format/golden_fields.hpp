@@ -46,6 +46,13 @@ inline std::vector<GoldenField> golden_fields() {
     add_kinds("v1.1-directions.dfield", std::move(directions));
     add_kinds("v1.1-noise.dfield", std::move(noise));
     add_kinds("v1.1-all-kinds.dfield", make_all_kinds(1));
+
+    DisplacementField volume = make_empty_field(), volume_noise = make_empty_field();
+    volume.volume = make_volume({9, 7, 8}, 5, Pattern::kSmooth);
+    volume_noise.volume = make_volume({4, 5, 4}, 3, Pattern::kNoise, 7);
+    add_kinds("v1.2-volume.dfield", std::move(volume));
+    add_kinds("v1.2-volume-noise.dfield", std::move(volume_noise));
+    add_kinds("v1.2-all-kinds.dfield", make_all_kinds_and_volume(1));
     return fields;
 }
 

@@ -1,4 +1,5 @@
-// Line tables and direction maps: what is written is read back, in part or whole; their rules.
+// Line tables, direction maps and occlusion volumes: what is written is read back, in part or whole; their
+// rules.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -38,7 +39,7 @@ std::string section_ids(std::span<const std::byte> bytes) {
 
 template<class Change>
 Bytes edited(const Change& change) {
-    FileEditor editor{write_field(make_all_kinds())};
+    FileEditor editor{write_field(make_all_kinds_and_volume())};
     change(editor);
     return editor.build();
 }
@@ -68,14 +69,24 @@ TEST_CASE("direction maps come back as they were written") {
                 }
 }
 
+TEST_CASE("occlusion volumes come back as they were written") {
+    for (const Pattern pattern : kPatterns)
+        for (const auto& dims : {std::array{4u, 4u, 4u}, {4u, 9u, 5u}, {17u, 4u, 6u}, {5u, 6u, 21u}})
+            for (const std::uint32_t far_size : {3u, 9u}) {
+                DisplacementField field = make_empty_field();
+                field.volume = make_volume(dims, far_size, pattern);
+                check_round_trip(field);
+            }
+}
+
 TEST_CASE("all kinds lie in one file, each optional to readers of version 1.0") {
-    for (const std::uint32_t bits : {1u, 8u}) check_round_trip(make_all_kinds(bits));
-    const auto bytes = write_field(make_all_kinds());
-    CHECK(section_ids(bytes) == "FELD MASK DIST LINE DM00 DM01 SELF PROV ");
+    for (const std::uint32_t bits : {1u, 8u}) check_round_trip(make_all_kinds_and_volume(bits));
+    const auto bytes = write_field(make_all_kinds_and_volume());
+    CHECK(section_ids(bytes) == "FELD MASK DIST LINE DM00 DM01 VOLU SELF PROV ");
     const FileInfo info = read_file_info(bytes);
-    CHECK(info.version_minor == 1);
+    CHECK(info.version_minor == 2);
     for (const SectionInfo& section : info.sections)
-        if (section.id == "LINE" || section.id.starts_with("DM"))
+        if (section.id == "LINE" || section.id.starts_with("DM") || section.id == "VOLU")
             CHECK(section.flags == layout::kFlagOptional);
     // What FELD states is the hash of what 1.0 knows, so that it can check it.
     DisplacementField known = make_all_kinds();
@@ -85,12 +96,13 @@ TEST_CASE("all kinds lie in one file, each optional to readers of version 1.0") 
     const Digest digest = field_digest(known);
     CHECK(std::equal(digest.begin(), digest.end(), &editor["FELD"].raw[layout::kPayloadHashAt]));
     CHECK(payload_hash(known) != payload_hash(make_all_kinds()));
-    for (const char* id : {"LINE", "DM00", "DM01"}) editor.erase(id);
+    CHECK(payload_hash(make_all_kinds()) != payload_hash(make_all_kinds_and_volume()));
+    for (const char* id : {"LINE", "DM00", "DM01", "VOLU"}) editor.erase(id);
     CHECK(payload_hash(read_field(editor.build())) == payload_hash(known));
 }
 
 TEST_CASE("parts of a file load alone, without a look at the others") {
-    const DisplacementField whole = make_all_kinds();
+    const DisplacementField whole = make_all_kinds_and_volume();
     const auto bytes = write_field(whole);
     const auto part = [&](const ReadOptions& options) { return read_field(bytes, options); };
     const DisplacementField coarse = part({.maps = false, .lines = false, .direction_levels = 1});
@@ -106,7 +118,9 @@ TEST_CASE("parts of a file load alone, without a look at the others") {
     CHECK(same_lines(*lines.lines, *whole.lines));
     CHECK(lines.directions.empty());
     CHECK(lines.self_visibility.empty());
-    const DisplacementField maps = part({.lines = false, .direction_levels = 0});
+    CHECK(lines.volume);
+    const DisplacementField maps = part({.lines = false, .direction_levels = 0, .volume = false});
+    CHECK(!maps.volume);
     CHECK(same_field(maps, whole));
     CHECK(same_kinds(part({}), whole));
 
@@ -120,7 +134,7 @@ TEST_CASE("parts of a file load alone, without a look at the others") {
         return false;
     };
     const ReadOptions no_maps{.maps = false}, no_lines{.lines = false}, one_level{.direction_levels = 1},
-        no_self{.self_visibility = false};
+        no_self{.self_visibility = false}, no_volume{.volume = false};
     const auto damaged = [&](const char* id) {
         Bytes file = bytes;
         for (const SectionInfo& section : read_file_info(file).sections)
@@ -131,19 +145,24 @@ TEST_CASE("parts of a file load alone, without a look at the others") {
                                       {"DIST", no_maps},
                                       {"LINE", no_lines},
                                       {"DM01", one_level},
+                                      {"VOLU", no_volume},
                                       {"SELF", no_self}}) {
         INFO(id);
         CHECK(refuses(damaged(id), {}));
         CHECK(!refuses(damaged(id), options));
     }
     CHECK(refuses(damaged("DM00"), one_level));
-    const ReadLimits none{
-        .max_texel_bytes = 0, .max_self_vertices = 0, .max_line_bytes = 0, .max_direction_bytes = 0};
-    CHECK(!refuses(bytes, {none, false, false, 0, false}));
-    CHECK(refuses(bytes, {none, true, false, 0, false}));
-    CHECK(refuses(bytes, {none, false, true, 0, false}));
-    CHECK(refuses(bytes, {none, false, false, 1, false}));
-    CHECK(refuses(bytes, {none, false, false, 0, true}));
+    const ReadLimits none{.max_texel_bytes = 0,
+                          .max_self_vertices = 0,
+                          .max_line_bytes = 0,
+                          .max_direction_bytes = 0,
+                          .max_volume_bytes = 0};
+    CHECK(!refuses(bytes, {none, false, false, 0, false, false}));
+    CHECK(refuses(bytes, {none, true, false, 0, false, false}));
+    CHECK(refuses(bytes, {none, false, true, 0, false, false}));
+    CHECK(refuses(bytes, {none, false, false, 1, false, false}));
+    CHECK(refuses(bytes, {none, false, false, 0, true, false}));
+    CHECK(refuses(bytes, {none, false, false, 0, false, true}));
 }
 
 TEST_CASE("limits of line table and direction maps hold in memory") {
@@ -157,6 +176,10 @@ TEST_CASE("limits of line table and direction maps hold in memory") {
     CHECK_NOTHROW(
         read_field(bytes, {{.max_line_bytes = line_bytes, .max_direction_bytes = direction_bytes}}));
     CHECK_NOTHROW(read_field(bytes, {.limits = {.max_direction_bytes = coarse}, .direction_levels = 1}));
+    const std::uint64_t volume_bytes = make_all_kinds_and_volume().volume->memory_bytes();
+    const auto with_volume = write_field(make_all_kinds_and_volume());
+    check_refused(with_volume, Code::kSectionRawSize, {.max_volume_bytes = volume_bytes - 1});
+    CHECK_NOTHROW(read_field(with_volume, {{.max_volume_bytes = volume_bytes}}));
     // Sizes that the table states are held against them before a frame is opened.
     const auto claims = [](const char* id, std::uint64_t raw_bytes) {
         return edited([&](FileEditor& e) {
@@ -164,7 +187,7 @@ TEST_CASE("limits of line table and direction maps hold in memory") {
             e[id].raw_bytes = raw_bytes;
         });
     };
-    for (const char* id : {"LINE", "DM00", "DM01"})
+    for (const char* id : {"LINE", "DM00", "DM01", "VOLU"})
         for (const std::uint64_t size :
              {std::uint64_t{0}, std::uint64_t{31}, std::uint64_t{1} << 40, ~std::uint64_t{0}})
             check_refused(claims(id, size), Code::kSectionRawSize);
@@ -251,7 +274,7 @@ TEST_CASE("the line table's rules") {
                 store_le(&raw[raw.size() - 4], word);
             }
     };
-    CHECK(same_kinds(read_field(with(plain)), make_all_kinds()));
+    CHECK(same_kinds(read_field(with(plain)), make_all_kinds_and_volume()));
     check_refused(with([&](Bytes& raw) { plain(raw), raw.pop_back(); }), Code::kLineTable);
     check_refused(with([&](Bytes& raw) { plain(raw), raw.push_back(std::byte{0}); }), Code::kLineTable);
     // 136 pairs: 24 bits of the fifth word are none.
@@ -294,7 +317,7 @@ TEST_CASE("the direction maps' rules") {
         for (const DirectionDepth& depth : maps.depths)
             for (const std::uint8_t byte : {depth.nearest, depth.farthest}) raw.push_back(std::byte{byte});
     };
-    CHECK(same_kinds(read_field(with(plain)), make_all_kinds()));
+    CHECK(same_kinds(read_field(with(plain)), make_all_kinds_and_volume()));
     check_refused(with([&](Bytes& raw) { plain(raw), raw.pop_back(); }), Code::kDirectionMaps);
     check_refused(with([&](Bytes& raw) { plain(raw), raw.push_back(std::byte{0}); }), Code::kDirectionMaps);
     check_refused(with([&](Bytes& raw) { plain(raw), raw[layout::kDirectionHeaderBytes] ^= std::byte{1}; }),
@@ -305,6 +328,54 @@ TEST_CASE("the direction maps' rules") {
                       raw[raw.size() - 1] = std::byte{8};
                   }),
                   Code::kDirectionMaps);
+}
+
+TEST_CASE("the occlusion volume's rules") {
+    const auto with = [](auto change) { return edited([&](FileEditor& e) { change(e["VOLU"].raw); }); };
+    const auto byte_at = [&](std::size_t at, std::uint8_t value) {
+        return with([&](Bytes& raw) { raw[at] = std::byte{value}; });
+    };
+    const auto float_at = [&](std::size_t at, float value) {
+        return with([&](Bytes& raw) { store_float(&raw[at], value); });
+    };
+    for (std::size_t at = layout::kVolumeReserved32At; at < layout::kVolumeHashAt; ++at)
+        check_refused(byte_at(at, 1), Code::kReserved);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const std::uint8_t dim : {0, 1, 3}) check_refused(byte_at(2 * axis, dim), Code::kParameters);
+        check_refused(byte_at(2 * axis + 1, 2), Code::kParameters);
+        check_refused(byte_at(2 * axis, 7), Code::kVolume);  // other bytes than these samples have
+    }
+    for (const std::uint8_t size : {0, 1, 2, 4, 35, 255})
+        check_refused(byte_at(layout::kVolumeFarSizeAt, size), Code::kParameters);
+    check_refused(byte_at(layout::kVolumeFarSizeAt, 5), Code::kVolume);
+    for (const float value : {std::nanf(""), INFINITY}) {
+        for (std::size_t at = layout::kVolumeOriginAt; at < layout::kVolumeReserved32At; at += 4)
+            check_refused(float_at(at, value), Code::kNotFinite);
+    }
+    check_refused(float_at(layout::kVolumeSpacingAt, 3e38f), Code::kNotFinite);  // the far corner is not
+    for (const float value : {0.0f, -0.25f, 1e-40f})
+        check_refused(float_at(layout::kVolumeSpacingAt, value), Code::kVolumeGrid);
+    for (const float value : {0.0f, 0.2f, -1.0f})
+        check_refused(float_at(layout::kVolumeBlendAt, value), Code::kVolumeGrid);
+    check_refused(byte_at(layout::kVolumeHashAt + 15, 1), Code::kPayloadHash);
+    check_refused(with([](Bytes& raw) { raw.pop_back(); }), Code::kVolume);
+    check_refused(with([](Bytes& raw) { raw.push_back(std::byte{0}); }), Code::kVolume);
+    check_refused(with([](Bytes& raw) { raw.resize(layout::kVolumeHeaderBytes); }), Code::kVolume);
+    for (const std::size_t at : {std::size_t{0}, std::size_t{40}, std::size_t{200}})  // balls, octants
+        check_refused(with([&](Bytes& raw) { raw[layout::kVolumeHeaderBytes + at] ^= std::byte{4}; }),
+                      Code::kPayloadHash);
+}
+
+TEST_CASE("an octahedral map's place and direction are inverses") {
+    for (std::uint32_t t = 0; t < 33; ++t)
+        for (std::uint32_t s = 0; s < 33; ++s) {
+            const glm::vec3 d = far_direction(33, s, t), back = octahedral_direction(octahedral_place(d));
+            REQUIRE(glm::length(d) == Approx(1));
+            REQUIRE(glm::distance(d, back) < 1e-6f);
+        }
+    // Nodes opposite each other on the rim are one direction.
+    for (std::uint32_t s = 0; s < 9; ++s)
+        CHECK(glm::distance(far_direction(9, s, 0), far_direction(9, 8 - s, 0)) < 1e-6f);
 }
 
 TEST_CASE("validation goes on after a section that is wrong") {
@@ -338,6 +409,17 @@ TEST_CASE("the writer refuses kinds that break a rule") {
     refused([](DisplacementField& f) { std::swap(f.directions[0], f.directions[1]); });
     refused([](DisplacementField& f) { f.directions.push_back(f.directions.back()); });
     CHECK_THROWS_AS(write_field(make_empty_field()), std::invalid_argument);
+    const auto refused_volume = [](auto change) {
+        DisplacementField field = make_all_kinds_and_volume();
+        change(*field.volume);
+        CHECK_THROWS_AS(write_field(field), std::invalid_argument);
+    };
+    refused_volume([](OcclusionVolume& v) { v.octants.pop_back(); });
+    refused_volume([](OcclusionVolume& v) { v.far.push_back(0); });
+    refused_volume([](OcclusionVolume& v) { v.dims[1] = 3; });
+    refused_volume([](OcclusionVolume& v) { v.spacing = 0; });
+    refused_volume([](OcclusionVolume& v) { v.blend = 0; });
+    refused_volume([](OcclusionVolume& v) { v.origin.y = std::nanf(""); });
 }
 
 TEST_CASE("the payload hash covers every kind") {
@@ -367,6 +449,11 @@ TEST_CASE("smooth kinds shrink, noise does not grow") {
         const std::size_t coded_lines = encode_lines(lines).size(),
                           coded_maps = encode_directions(maps).size();
         CHECK(coded_lines <= layout::kLineHeaderBytes + line_bytes / (pattern == Pattern::kSmooth ? 4 : 1));
+        const OcclusionVolume volume = make_volume({20, 24, 22}, 9, pattern);
+        DisplacementField field = make_empty_field();
+        field.volume = volume;
+        CHECK(write_field(field).size() <=
+              512 + volume.memory_bytes() / (pattern == Pattern::kSmooth ? 20 : 1));
         CHECK(coded_maps <=
               layout::kDirectionHeaderBytes + maps.memory_bytes() / (pattern == Pattern::kSmooth ? 12 : 1));
     }

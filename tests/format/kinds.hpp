@@ -1,4 +1,4 @@
-// Line tables and direction maps to write and read back. Integers only, as in fields.hpp.
+// Line tables, direction maps and occlusion volumes to write and read back. Integers only, as in fields.hpp.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include "format/direction_maps.hpp"
 #include "format/field.hpp"
 #include "format/line_table.hpp"
+#include "format/occlusion_volume.hpp"
 #include "tests/format/fields.hpp"
 
 namespace dfield::test {
@@ -80,6 +81,33 @@ inline DirectionMaps make_direction_maps(const DirectionParameters& p, Pattern p
     return maps;
 }
 
+inline OcclusionVolume make_volume(const std::array<std::uint32_t, 3>& dims, std::uint32_t far_size,
+                                   Pattern pattern, std::uint64_t seed = 1) {
+    OcclusionVolume volume;
+    volume.dims = dims;
+    volume.origin = {-1, -2, 0.5f};
+    volume.spacing = 0.25f;
+    volume.blend = 0.5f;
+    volume.far_size = far_size;
+    volume.octants.resize(2 * volume.samples());
+    Bits bits(seed);
+    for (std::size_t sample = 0; sample < volume.samples(); ++sample)
+        for (std::size_t i = 0; i < kVolumeOctants; ++i) {
+            const std::size_t x = sample % dims[0], y = sample / dims[0] % dims[1],
+                              z = sample / dims[0] / dims[1];
+            const std::size_t smooth = std::min<std::size_t>(40 + 3 * x + 5 * y + 2 * z * (i + 1), 255);
+            const std::size_t value = pattern == Pattern::kNoise     ? bits.below(256)
+                                      : pattern == Pattern::kAllHit  ? 0
+                                      : pattern == Pattern::kAllMiss ? 255
+                                                                     : smooth;
+            volume.set_octant(sample, i, static_cast<std::uint8_t>(value));
+        }
+    for (std::uint32_t node = 0; node < far_size * far_size; ++node)
+        volume.far.push_back(pattern == Pattern::kNoise ? bits.below(0xffffffff)
+                                                        : pack_far_ball({200, 128, 130, 126}));
+    return volume;
+}
+
 // A field with the sphere of make_field and the kinds that are added to it.
 inline DisplacementField make_empty_field() {
     DisplacementField field = make_field(kNoMaps, Pattern::kAllMiss);
@@ -97,15 +125,20 @@ inline bool same_directions(const DirectionMaps& a, const DirectionMaps& b) {
                           return x.nearest == y.nearest && x.farthest == y.farthest;
                       });
 }
+inline bool same_volumes(const OcclusionVolume& a, const OcclusionVolume& b) {
+    return a.dims == b.dims && a.origin == b.origin && a.spacing == b.spacing && a.blend == b.blend &&
+           a.far_size == b.far_size && a.octants == b.octants && a.far == b.far;
+}
 // same_field, and the other kinds.
 inline bool same_kinds(const DisplacementField& a, const DisplacementField& b) {
     return same_field(a, b) && a.lines.has_value() == b.lines.has_value() &&
            (!a.lines || same_lines(*a.lines, *b.lines)) &&
            std::equal(a.directions.begin(), a.directions.end(), b.directions.begin(), b.directions.end(),
-                      same_directions);
+                      same_directions) &&
+           a.volume.has_value() == b.volume.has_value() && (!a.volume || same_volumes(*a.volume, *b.volume));
 }
 
-// All kinds in one small field.
+// All kinds of version 1.1 in one small field.
 inline DisplacementField make_all_kinds(std::uint32_t bits = 8) {
     DisplacementField field =
         make_field({Positions::kSlater, 1, Mapping::kConcentric, 5, bits}, Pattern::kSmooth);
@@ -113,6 +146,13 @@ inline DisplacementField make_all_kinds(std::uint32_t bits = 8) {
     field.lines = make_line_table(line_parameters(4, 8, 3, true), Pattern::kSmooth);
     field.directions.push_back(make_direction_maps({1, 16, 0}, Pattern::kSmooth));
     field.directions.push_back(make_direction_maps({2, 16, 8}, Pattern::kSmooth));
+    return field;
+}
+
+// And of version 1.2.
+inline DisplacementField make_all_kinds_and_volume(std::uint32_t bits = 8) {
+    DisplacementField field = make_all_kinds(bits);
+    field.volume = make_volume({5, 4, 6}, 3, Pattern::kSmooth);
     return field;
 }
 

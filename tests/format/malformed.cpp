@@ -24,7 +24,9 @@ std::vector<Bytes> small_files() {
     DisplacementField directions = make_empty_field();
     directions.lines = make_line_table(line_parameters(3, 4, 2), Pattern::kSmooth);
     directions.directions.push_back(make_direction_maps({1, 16, 8}, Pattern::kSmooth));
-    for (const DisplacementField& field : {make_all_kinds(), directions}) {
+    DisplacementField volume = make_empty_field();
+    volume.volume = make_volume({4, 5, 4}, 3, Pattern::kNoise);
+    for (const DisplacementField& field : {make_all_kinds_and_volume(), directions, volume}) {
         files.push_back(write_field(field));
         REQUIRE(accepted(files.back()));
     }

@@ -1,4 +1,5 @@
-// libFuzzer: .dfield files behind right checksums, and the raw bytes of line tables and direction maps.
+// libFuzzer: .dfield files behind right checksums, and the raw bytes of line tables, direction maps and
+// occlusion volumes.
 // Whatever is accepted must be a field that the writer accepts, and come back the same.
 #include <cstring>
 #include <vector>
@@ -18,7 +19,8 @@ using fuzz::require, test::Bytes;
 constexpr ReadLimits kLimits{.max_texel_bytes = 1 << 14,
                              .max_self_vertices = 1 << 10,
                              .max_line_bytes = 1 << 12,
-                             .max_direction_bytes = 1 << 13};
+                             .max_direction_bytes = 1 << 13,
+                             .max_volume_bytes = 1 << 13};
 
 void try_file(Bytes bytes) {
     if (bytes.size() >= layout::kHeaderBytes)
@@ -58,10 +60,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         std::memcmp(data, layout::kMagic.data(), layout::kMagic.size()) == 0) {
         try_file(std::move(bytes));
     } else if (size > 0) {
-        const bool lines = data[0] % 2 == 0;
+        const int kind = data[0] % 3;
         bytes.erase(bytes.begin());
-        if (lines)
+        const auto decode_octants = [](const Bytes& raw, std::uint64_t most, OcclusionVolume& volume, auto*) {
+            return decode_volume(raw, most, volume);
+        };
+        if (kind == 0)
             try_section<LineTable>(std::move(bytes), layout::kLineHeaderBytes, decode_lines, encode_lines);
+        else if (kind == 1)
+            try_section<OcclusionVolume>(std::move(bytes), layout::kVolumeHeaderBytes, decode_octants,
+                                         encode_volume);
         else
             try_section<DirectionMaps>(std::move(bytes), layout::kDirectionHeaderBytes, decode_directions,
                                        encode_directions);
