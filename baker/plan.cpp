@@ -1,5 +1,7 @@
 #include "baker/plan.hpp"
 
+#include <algorithm>
+
 #include "baker/bake_directions.hpp"
 #include "baker/bake_lines.hpp"
 #include "baker/bounding_sphere.hpp"
@@ -18,16 +20,23 @@ FieldPlan plan_of(const DisplacementField& field) {
     if (has_maps(field.parameters)) plan.maps = field.parameters;
     if (field.lines) plan.lines = field.lines->parameters;
     for (const DirectionMaps& level : field.directions) plan.directions.push_back(level.parameters);
+    if (field.volume) {
+        const auto& dims = field.volume->dims;
+        plan.volume = VolumeParameters{*std::max_element(dims.begin(), dims.end())};
+    }
     return plan;
 }
 
 std::string plan_error(const FieldPlan& plan) {
-    if (!plan.maps && !plan.lines && plan.directions.empty())
-        return "nothing to bake: neither displacement maps nor a line table nor direction maps";
+    if (!plan.maps && !plan.lines && plan.directions.empty() && !plan.volume)
+        return "nothing to bake: neither displacement maps nor a line table nor direction maps nor an "
+               "occlusion volume";
     if (plan.maps)
         if (std::string error = parameters_error(*plan.maps); !error.empty()) return error;
     if (plan.lines)
         if (std::string error = line_parameters_error(*plan.lines); !error.empty()) return error;
+    if (plan.volume)
+        if (std::string error = volume_parameters_error(*plan.volume); !error.empty()) return error;
     if (plan.directions.size() > kMaxDirectionLevels)
         return std::to_string(plan.directions.size()) + " levels of direction maps, at most " +
                std::to_string(kMaxDirectionLevels) + " are possible";
@@ -55,6 +64,7 @@ std::uint64_t plan_bytes(const FieldPlan& plan) {
     }
     if (plan.lines) bytes += 4 * (line_hit_words(*plan.lines) + line_depth_words(*plan.lines));
     for (const DirectionParameters& level : plan.directions) bytes += direction_maps_bytes(level);
+    if (plan.volume) bytes += volume_parameters_bytes(*plan.volume);
     return bytes;
 }
 
@@ -80,6 +90,11 @@ DisplacementField bake_plan(const TriangleMesh& mesh, const FieldPlan& plan, con
         DirectionBakeReport part;
         field.directions.push_back(
             bake_directions(mesh, sphere, {level, options.threads, options.cancel}, &part));
+        add(part);
+    }
+    if (plan.volume) {
+        VolumeBakeReport part;
+        field.volume = bake_volume(mesh, sphere, {*plan.volume, options.threads, options.cancel}, &part);
         add(part);
     }
     field.provenance = provenance_json(mesh, plan, options, result.instruction_set);

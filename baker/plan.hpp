@@ -1,4 +1,4 @@
-// What is baked of an object: any of the three kinds, in one field.
+// What is baked of an object: any of the four kinds, in one field.
 #pragma once
 
 #include <optional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "baker/bake.hpp"
+#include "baker/bake_volume.hpp"
 #include "format/field.hpp"
 
 namespace dfield {
@@ -14,6 +15,7 @@ struct FieldPlan {
     std::optional<FieldParameters> maps = {};          // displacement maps
     std::optional<LineParameters> lines = {};          // line table
     std::vector<DirectionParameters> directions = {};  // levels of direction maps, coarse first
+    std::optional<VolumeParameters> volume = {};       // occlusion volume
 
     bool operator==(const FieldPlan&) const = default;
 };
@@ -28,7 +30,8 @@ FieldPlan plan_of(const DisplacementField& field);
 // Empty when the plan can be baked, otherwise what is wrong and what is allowed.
 std::string plan_error(const FieldPlan& plan);
 
-// Bytes that the kinds take in memory once loaded, without sphere, self visibilities and provenance.
+// Bytes that the kinds take in memory once loaded, without sphere, self visibilities and provenance. Of an
+// occlusion volume, which depends on the object's proportions, the most that it can be.
 std::uint64_t plan_bytes(const FieldPlan& plan);
 
 // A field of all that the plan names, provenance filled in. options.parameters are not read. Throws

@@ -56,6 +56,7 @@ std::string provenance_json(const TriangleMesh& mesh, const FieldPlan& plan, con
         json["directions"].push_back({{"subdivision", level.subdivision},
                                       {"map_size", level.map_size},
                                       {"depth_size", level.depth_size}});
+    if (plan.volume) json["volume"] = {{"size", plan.volume->size}};
     if (options.budget != 0) json["budget"] = {{"bytes", options.budget}, {"kind", options.budget_kind}};
     if (options.self_visibility) {
         json["parameters"]["self_rays"] = options.self_rays;

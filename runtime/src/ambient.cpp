@@ -7,6 +7,7 @@
 #include "batch/batch.hpp"
 #include "gather.hpp"
 #include "kind.hpp"
+#include "octants/volume_visibility.hpp"
 #include "receivers.hpp"
 #include "status.hpp"
 #include "visibility.hpp"
@@ -36,8 +37,10 @@ void mixed_visibility(const SceneState& scene, const dfield_ao& ao, const dfield
 
 }  // namespace
 
-void receiver_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
-                         const Strided<float>& visibility) {
+namespace {
+
+void visibility_by_rays(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
+                        const Strided<float>& visibility) {
     switch (batch_share(scene, ao)) {
         case BatchShare::kAll:
             return batch_visibility(scene, ao, receivers, visibility);
@@ -46,6 +49,18 @@ void receiver_visibility(const SceneState& scene, const dfield_ao& ao, const dfi
         case BatchShare::kNone:
             return ray_visibility(scene, ao, receivers, 0, receivers.count, visibility);
     }
+}
+
+}  // namespace
+
+void receiver_visibility(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
+                         const Strided<float>& visibility) {
+    const VolumeShare volumes = volume_share(scene, ao);
+    if (volumes == VolumeShare::kAll)
+        for (std::size_t i = 0; i < receivers.count; ++i) *visibility.at(i) = 1;
+    else
+        visibility_by_rays(scene, ao, receivers, visibility);
+    if (volumes != VolumeShare::kNone) multiply_volume_visibility(scene, ao, receivers, visibility);
 }
 
 void receiver_masks(const SceneState& scene, const dfield_ao& ao, const dfield_receivers& receivers,
@@ -121,9 +136,11 @@ dfield_status dfield_scene_ambient(const dfield_scene* scene, const dfield_ao* a
         require_receivers(ao, receivers, outputs);
         const SceneState& state = scene->state;
         const OutputWriter writer(*ao, *outputs);
-        require_kinds(*ao, state);
+        require_kinds(*ao, state, writer.masks() || writer.wants_moments());
         // Batches live on receivers that lie together: they are not split as finely as single ones.
-        const std::size_t grain = batch_share(state, *ao) != BatchShare::kNone ? kBatchGrain : 1;
+        const bool batches =
+            batch_share(state, *ao) != BatchShare::kNone || volume_share(state, *ao) != VolumeShare::kNone;
+        const std::size_t grain = batches ? kBatchGrain : 1;
         state.context()->for_ranges(
             (receivers->count + grain - 1) / grain, [&](std::size_t first, std::size_t last) {
                 const std::size_t begin = first * grain, end = std::min(last * grain, receivers->count);

@@ -127,7 +127,7 @@ dfield_status dfield_ao_create(dfield_context* context, const dfield_ao_desc* gi
             "dfield_ao_create: desc->struct_size is of no known version; call dfield_ao_desc_init first");
         const dfield_ao_desc* const desc = &copy;
         require(desc->sampling <= DFIELD_SAMPLING_SHARED, "dfield_ao_create: unknown sampling");
-        require(desc->kind <= DFIELD_KIND_DIRECTIONS, "dfield_ao_create: unknown kind");
+        require(desc->kind <= DFIELD_KIND_VOLUME, "dfield_ao_create: unknown kind");
         require(desc->sampling == DFIELD_SAMPLING_HEMISPHERE || desc->ray_count <= DFIELD_MAX_SHARED_RAYS,
                 "dfield_ao_create: shared sampling takes at most DFIELD_MAX_SHARED_RAYS rays");
         require(desc->ray_count >= 1 && desc->ray_count <= 65536,

@@ -1,5 +1,6 @@
 #include "field.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -53,7 +54,8 @@ std::uint64_t dfield_field::memory_bytes() const {
     return sizeof(*this) + maps.texels.capacity() + hit_bits.capacity() +
            maps.mean_depth.capacity() * sizeof(std::uint16_t) + points.capacity() * sizeof(glm::vec3) +
            self_visibility.capacity() * sizeof(float) + line_points.capacity() * sizeof(glm::vec4) +
-           (maps.lines ? maps.lines->memory_bytes() : 0) + directions + maps.provenance.capacity();
+           (maps.lines ? maps.lines->memory_bytes() : 0) + (maps.volume ? maps.volume->memory_bytes() : 0) +
+           directions + maps.provenance.capacity();
 }
 
 namespace dfield::runtime {
@@ -76,7 +78,8 @@ std::pmr::vector<std::byte> read_whole(const char* path, std::pmr::memory_resour
 
 std::uint32_t kinds_of(const dfield_field& field) {
     std::uint32_t kinds = 0;
-    for (const dfield_kind kind : {DFIELD_KIND_MAPS, DFIELD_KIND_LINES, DFIELD_KIND_DIRECTIONS})
+    for (const dfield_kind kind :
+         {DFIELD_KIND_MAPS, DFIELD_KIND_LINES, DFIELD_KIND_DIRECTIONS, DFIELD_KIND_VOLUME})
         kinds |= std::uint32_t{has_kind(field, kind)} << kind;
     return kinds;
 }
@@ -84,11 +87,12 @@ std::uint32_t kinds_of(const dfield_field& field) {
 void log_loaded(const dfield_field& field) {
     const std::uint32_t kinds = kinds_of(field);
     char line[160];
-    std::snprintf(line, sizeof line, "field loaded: %llu bytes in memory;%s%s%s",
+    std::snprintf(line, sizeof line, "field loaded: %llu bytes in memory;%s%s%s%s",
                   static_cast<unsigned long long>(field.memory_bytes()),
                   kinds >> DFIELD_KIND_MAPS & 1 ? " displacement maps" : "",
                   kinds >> DFIELD_KIND_LINES & 1 ? " line table" : "",
-                  kinds >> DFIELD_KIND_DIRECTIONS & 1 ? " direction maps" : "");
+                  kinds >> DFIELD_KIND_DIRECTIONS & 1 ? " direction maps" : "",
+                  kinds >> DFIELD_KIND_VOLUME & 1 ? " occlusion volume" : "");
     field.context()->log(DFIELD_LOG_INFO, line);
 }
 
@@ -122,6 +126,7 @@ dfield_status dfield_field_load_part(dfield_context* context, const dfield_load_
         dfield::ReadOptions options;
         options.maps = wanted(DFIELD_KIND_MAPS);
         options.lines = wanted(DFIELD_KIND_LINES);
+        options.volume = wanted(DFIELD_KIND_VOLUME);
         if (desc->direction_levels != 0) options.direction_levels = desc->direction_levels;
         if (!wanted(DFIELD_KIND_DIRECTIONS)) options.direction_levels = 0;
         const std::span whole(static_cast<const std::byte*>(bytes), size);
@@ -187,6 +192,10 @@ dfield_status dfield_field_get_info(const dfield_field* field, dfield_field_info
             result.direction_count = dfield::direction_count(finest.subdivision);
             result.direction_map_size = finest.map_size;
             result.direction_depth_size = finest.depth_size;
+        }
+        if (maps.volume) {
+            std::copy(maps.volume->dims.begin(), maps.volume->dims.end(), result.volume_dims);
+            result.volume_spacing = maps.volume->spacing;
         }
         *info = result;
     });

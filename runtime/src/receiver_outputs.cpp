@@ -5,6 +5,7 @@
 
 #include "ambient.hpp"
 #include "gather.hpp"
+#include "kind.hpp"
 #include "receiver_set.hpp"
 #include "receivers.hpp"
 #include "status.hpp"
@@ -35,6 +36,7 @@ void dfield_receiver_set::block_masks(std::size_t index, std::size_t block, std:
 void dfield_receiver_set::write_outputs(const dfield_outputs& outputs, bool only_changed) const {
     const OutputWriter writer(*ao_, outputs);
     const bool needs_masks = writer.masks() || writer.wants_moments();
+    if (needs_masks && last_) require_kinds(*ao_, last_->scene.state, true);
     const std::size_t words = ao_->mask_words();
     context()->for_ranges(chunks_.size(), [&](std::size_t begin, std::size_t end) {
         std::array<std::uint32_t, kLanes*(DFIELD_MAX_RAYS / 32)> masks;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kind.hpp"
+#include "octants/volume_visibility.hpp"
 #include "receivers.hpp"
 #include "status.hpp"
 
@@ -112,8 +113,9 @@ void dfield_receiver_set::give_scratch(UpdateScratch* scratch) {
 
 void dfield_receiver_set::update(dfield_snapshot* snapshot, dfield_update_stats* stats) {
     const SceneState& now = snapshot->scene.state;
-    require_kinds(*ao_, now);
-    const bool batched = ao_->any_hit() && batch_share(now, *ao_) == BatchShare::kAll;
+    require_kinds(*ao_, now, false);
+    const bool batched = ao_->any_hit() && batch_share(now, *ao_) == BatchShare::kAll &&
+                         volume_share(now, *ao_) == VolumeShare::kNone;
     const SceneChanges changes = changes_to(now, batched);
     if (batched) slabs_.resize(chunks_.size() * slab_count(ao_->shared));
     // From here on the old results are gone: should anything fail, the next update computes all.

@@ -166,6 +166,9 @@ extern "C" dfield_status dfield_scene_visibility_reference(const dfield_scene* s
         require(scene && ao && receivers && visibility, "scene, ao, receivers or visibility is null");
         require(receivers->count == 0 || (receivers->positions && receivers->normals),
                 "the receivers' positions or normals are null");
+        for (const dfield_instance id : scene->state.active)
+            require(has_maps(scene->state.instances[id].field->maps.parameters),
+                    "dfield_scene_visibility_reference: an instance's field has no displacement maps");
         const Strided<const float> positions(receivers->positions, receivers->position_stride, 3);
         const Strided<const float> normals(receivers->normals, receivers->normal_stride, 3);
         const Strided<const dfield_instance> owners(receivers->owners, receivers->owner_stride, 1);

@@ -134,6 +134,13 @@ void require_rays(const dfield_scene* scene, const dfield_rays* rays, const void
     require(scene && rays && output, "scene, rays or the output is null");
     require(rays->count == 0 || (rays->origins && rays->directions),
             "the rays' origins or directions are null");
+    for (const dfield_instance id : scene->state.active) {
+        const dfield_field& field = *scene->state.instances[id].field;
+        require(has_kind(field, DFIELD_KIND_MAPS) || has_kind(field, DFIELD_KIND_LINES),
+                "an instance's field has neither displacement maps nor a line table: direction maps and "
+                "occlusion "
+                "volumes know no single rays");
+    }
 }
 
 }  // namespace

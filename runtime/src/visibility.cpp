@@ -113,7 +113,8 @@ class ReceiverRays {
             if (side.behind) return;
             const bool in_front = !side.cut;
             const dfield_kind kind = kind_for(ao_, *instance.field);
-            if (kind == DFIELD_KIND_DIRECTIONS) return;  // batch/ answers for it
+            // batch/ and octants/ answer for these.
+            if (kind == DFIELD_KIND_DIRECTIONS || kind == DFIELD_KIND_VOLUME) return;
             if (kind == DFIELD_KIND_LINES)
                 return look_up(lookups_.lines,
                                line_query(instance, receiver_.position, frame_, ao_.bias, in_front));

@@ -2,6 +2,7 @@
 // C ABI. Each call answers a status, and queries that succeed give numbers within their ranges.
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "dfield/dfield.hpp"
@@ -18,26 +19,26 @@ using fuzz::Input, fuzz::require;
 struct World {
     Context context;
     std::vector<Field> fields;
-    std::vector<Ao> settings;
+    std::vector<std::pair<dfield_kind, Ao>> settings;
 
     World() {
         for (const std::uint32_t bits : {1u, 8u}) {
-            const auto bytes = write_field(test::make_all_kinds(bits), {.zstd_level = 1});
+            const auto bytes = write_field(test::make_all_kinds_and_volume(bits), {.zstd_level = 1});
             fields.push_back(Field::load(context, bytes.data(), bytes.size()));
         }
-        for (const dfield_kind kind :
-             {DFIELD_KIND_AUTO, DFIELD_KIND_MAPS, DFIELD_KIND_LINES, DFIELD_KIND_DIRECTIONS}) {
+        for (const dfield_kind kind : {DFIELD_KIND_AUTO, DFIELD_KIND_MAPS, DFIELD_KIND_LINES,
+                                       DFIELD_KIND_DIRECTIONS, DFIELD_KIND_VOLUME}) {
             dfield_ao_desc desc = Ao::defaults();
             desc.ray_count = 9;
             desc.kind = kind;
             if (kind == DFIELD_KIND_DIRECTIONS) {
                 desc.sampling = DFIELD_SAMPLING_SHARED;
                 desc.ray_count = 40;
-            } else {
+            } else if (kind != DFIELD_KIND_VOLUME) {
                 desc.max_distance = 2;
                 desc.falloff = DFIELD_FALLOFF_LINEAR;
             }
-            settings.emplace_back(context, desc);
+            settings.emplace_back(kind, Ao(context, desc));
         }
     }
 };
@@ -57,7 +58,7 @@ void query_rays(const dfield_scene* scene, Input& input) {
         for (const std::uint8_t value : occluded) require(value <= 1);
 }
 
-void query_receivers(const dfield_scene* scene, const Ao& ao, Input& input) {
+void query_receivers(const dfield_scene* scene, dfield_kind kind, const Ao& ao, Input& input) {
     constexpr std::size_t kCount = 4;
     std::vector<float> floats(6 * kCount);
     for (float& value : floats) value = input.number();
@@ -71,10 +72,12 @@ void query_receivers(const dfield_scene* scene, const Ao& ao, Input& input) {
     std::array<float, DFIELD_SH_COUNT * kCount> harmonics;
     dfield_outputs outputs = no_outputs();
     outputs.visibility = visibility.data();
-    outputs.bent_normals = bent.data();
-    outputs.harmonics = harmonics.data();
+    const bool rays = kind != DFIELD_KIND_VOLUME;  // which that kind does not know
+    if (rays) outputs.bent_normals = bent.data();
+    if (rays) outputs.harmonics = harmonics.data();
     if (dfield_scene_ambient(scene, ao.get(), &receivers, &outputs) != DFIELD_OK) return;
     for (const float value : visibility) require(value >= 0 && value <= 1);
+    if (!rays) return;
     for (const float value : harmonics) require(std::isfinite(value));
     for (std::size_t i = 0; i < kCount; ++i)
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -113,7 +116,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int round = 0; round < 4 && input.left() > 0; ++round)
         for (const dfield_scene* target : {scene.scene_handle(), snapshot.scene_handle()}) {
             query_rays(target, input);
-            for (const Ao& ao : world.settings) query_receivers(target, ao, input);
+            for (const auto& [kind, ao] : world.settings) query_receivers(target, kind, ao, input);
         }
     return 0;
 }

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "tests/runtime/baked_directions.hpp"
+#include "tests/runtime/counted.hpp"
 #include "tests/runtime/placements.hpp"
 #include "tests/shapes.hpp"
 
@@ -91,17 +92,7 @@ std::vector<dfield_ao_desc> all_settings() {
 
 TEST_CASE("Queries allocate nothing") {
     std::size_t allocations = 0;
-    dfield_context_desc hooks{};
-    hooks.struct_size = sizeof hooks;
-    hooks.user = &allocations;
-    hooks.allocate = [](void* user, std::size_t size, std::size_t alignment) -> void* {
-        ++*static_cast<std::size_t*>(user);
-        return ::operator new (size, std::align_val_t{alignment});
-    };
-    hooks.deallocate = [](void*, void* memory, std::size_t, std::size_t alignment) {
-        ::operator delete (memory, std::align_val_t{alignment});
-    };
-    World world(hooks);
+    World world(counting_hooks(allocations));
     for (const dfield_ao_desc& desc : all_settings()) {
         const Ao ao(world.context, desc);
         const Snapshot snapshot = world.scene.commit();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dfield/dfield.hpp"
+#include "tests/format/kinds.hpp"
 #include "tests/runtime/baked_directions.hpp"
 #include "tests/shapes.hpp"
 #include "tests/test_data.hpp"
@@ -82,6 +83,15 @@ TEST_CASE("A part of a file is loaded") {
     CHECK(maps.info().memory_bytes < all);
     CHECK(directions.info().memory_bytes < all);
     CHECK(directions.info().radius == maps.info().radius);
+
+    const Field everything = golden(context, "v1.2-all-kinds");
+    CHECK(everything.info().kinds == (bit(DFIELD_KIND_MAPS) | bit(DFIELD_KIND_LINES) |
+                                      bit(DFIELD_KIND_DIRECTIONS) | bit(DFIELD_KIND_VOLUME)));
+    const auto whole = write_field(make_all_kinds_and_volume());
+    const Field volume = Field::load(context, whole.data(), whole.size(), bit(DFIELD_KIND_VOLUME));
+    CHECK(volume.info().kinds == bit(DFIELD_KIND_VOLUME));
+    CHECK(volume.info().volume_dims[2] == 6);
+    CHECK(volume.info().memory_bytes < everything.info().memory_bytes);
 
     dfield_load_desc desc{};
     dfield_field* field = nullptr;

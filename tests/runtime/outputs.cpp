@@ -281,7 +281,7 @@ TEST_CASE("Shared directions: anywhere, of any weight") {
     refused([&](auto& bad) { bad.weights = infinite; });
     refused([&](auto& bad) { bad.directions = lengthy; });
     refused([&](auto& bad) { bad.sampling = 2; });
-    refused([&](auto& bad) { bad.kind = 4; });
+    refused([&](auto& bad) { bad.kind = DFIELD_KIND_VOLUME + 1; });
     refused([&](auto& bad) {
         bad.ray_count = DFIELD_MAX_SHARED_RAYS + 1, bad.directions = nullptr, bad.weights = nullptr;
     });

@@ -134,8 +134,8 @@ typedef struct dfield_outputs {
     size_t harmonics_stride;
 } dfield_outputs;
 
-/* All that `outputs` asks for, of all receivers. A query: any thread; DFIELD_INVALID_ARGUMENT where an
-   instance's field has no kind that can answer. */
+/* All that `outputs` asks for, of all receivers. Occlusion volumes multiply what the others leave visible.
+   A query: any thread; DFIELD_INVALID_ARGUMENT where an instance's field has no kind that can answer. */
 DFIELD_API dfield_status dfield_scene_ambient(const dfield_scene* scene, const dfield_ao* ao,
                                               const dfield_receivers* receivers,
                                               const dfield_outputs* outputs);

@@ -12,10 +12,12 @@ typedef struct dfield_field dfield_field; /* immutable: any number of threads ma
 
 /* What a field can answer queries with; one file may hold several kinds. */
 typedef enum dfield_kind {
-    DFIELD_KIND_AUTO = 0,      /* whichever answers the query best */
-    DFIELD_KIND_MAPS = 1,      /* displacement maps: any ray, distance of its first hit */
-    DFIELD_KIND_LINES = 2,     /* a line table: visibility of any ray */
-    DFIELD_KIND_DIRECTIONS = 3 /* direction maps: visibility of receivers that share their directions */
+    DFIELD_KIND_AUTO = 0,       /* whichever answers the query best */
+    DFIELD_KIND_MAPS = 1,       /* displacement maps: any ray, distance of its first hit */
+    DFIELD_KIND_LINES = 2,      /* a line table: visibility of any ray */
+    DFIELD_KIND_DIRECTIONS = 3, /* direction maps: visibility of receivers that share their directions */
+    DFIELD_KIND_VOLUME = 4 /* an occlusion volume: the whole cosine-weighted hemisphere at once, by octants;
+                              neither rays nor distances, nor what follows from rays (masks, bent normals) */
 } dfield_kind;
 
 typedef enum dfield_positions { DFIELD_POSITIONS_SLATER = 0, DFIELD_POSITIONS_LATLONG = 1 } dfield_positions;
@@ -48,6 +50,9 @@ typedef struct dfield_field_info {
     uint32_t direction_count;      /* directions over the sphere */
     uint32_t direction_map_size;   /* texels along a side */
     uint32_t direction_depth_size; /* texels along a side of the depth maps; 0 = none */
+    /* Occlusion volume; all 0 where the field has none. */
+    uint32_t volume_dims[3]; /* samples along each axis */
+    float volume_spacing;    /* between them, object space */
 } dfield_field_info;
 
 /* What of a file is loaded: for engines that use one kind, or coarse levels of far objects. */

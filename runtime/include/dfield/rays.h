@@ -29,7 +29,8 @@ typedef struct dfield_hits {
    sphere the ray is extended backwards to its entry point; if the object's first hit on that line lies behind
    the origin, the line is looked up from its other end, which gives the last hit: exact for whether there is
    a hit ahead, an upper bound for its distance. 1-bit fields answer distances from a mean depth only. A ray
-   with a NaN, an infinity or a zero direction misses. A query: any thread. */
+   with a NaN, an infinity or a zero direction misses. DFIELD_INVALID_ARGUMENT where an instance's field has
+   neither displacement maps nor a line table. A query: any thread. */
 DFIELD_API dfield_status dfield_scene_trace(const dfield_scene* scene, const dfield_rays* rays,
                                             const dfield_hits* hits);
 

@@ -10,6 +10,7 @@
 #include "batch/distances.hpp"
 #include "batch/prepared.hpp"
 #include "kind.hpp"
+#include "stretch.hpp"
 
 namespace dfield::runtime {
 namespace {
@@ -91,26 +92,16 @@ void mark_faced(const Slab& slab, const Chunk& chunk, std::size_t k, std::size_t
     if (ray != SharedDirections::kNoRay) mark(lane, ray);
 }
 
-// Of `M`, by how much it stretches at most; exact for rotation times even scale.
-float stretch(const glm::mat3& m) {
-    float bound = 0;
-    for (int i = 0; i < 3; ++i) {
-        float row = 0;
-        for (int j = 0; j < 3; ++j) row += std::fabs(glm::dot(m[i], m[j]));
-        bound = std::max(bound, row);
-    }
-    return std::sqrt(bound);
-}
-
 }  // namespace
 
 BatchShare batch_share(const SceneState& scene, const dfield_ao& ao) {
     if (ao.sampling != DFIELD_SAMPLING_SHARED) return BatchShare::kNone;
     bool some = false, all = true;
     for (const dfield_instance id : scene.active) {
-        const bool answers = kind_for(ao, *scene.instances[id].field) == DFIELD_KIND_DIRECTIONS;
-        some |= answers;
-        all &= answers;
+        const dfield_kind kind = kind_for(ao, *scene.instances[id].field);
+        if (kind == DFIELD_KIND_VOLUME) continue;  // multiplied to what the others say
+        some |= kind == DFIELD_KIND_DIRECTIONS;
+        all &= kind == DFIELD_KIND_DIRECTIONS;
     }
     return all ? BatchShare::kAll : some ? BatchShare::kSome : BatchShare::kNone;
 }

@@ -21,7 +21,7 @@ namespace dfield::runtime {
 // The caster that an instance is for these settings; the instance's field has direction maps.
 DirectionCaster direction_caster(const dfield_ao& ao, const Instance& instance, dfield_instance id);
 
-// For which instances of a scene batches answer these settings.
+// For which instances of a scene, but for those of occlusion volumes, batches answer these settings.
 enum class BatchShare { kNone, kSome, kAll };
 BatchShare batch_share(const SceneState& scene, const dfield_ao& ao);
 
