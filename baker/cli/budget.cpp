@@ -90,9 +90,16 @@ Family direction_family(std::uint32_t map_size, std::uint32_t depth_size) {
     return {DFIELD_KIND_DIRECTIONS, plan, kMaxDirectionSubdivision};
 }
 
+Family volume_family() {
+    return {DFIELD_KIND_VOLUME,
+            [](std::uint32_t size) { return FieldPlan{.volume = VolumeParameters{size}}; }, kMaxVolumeSize};
+}
+
 // What is worth trying. Between directions or positions and texels there is a best balance, which moves with
 // the object and the budget; depths cost accuracy in the open, and are there for the figures in contact.
+// Occlusion volumes are tried where they are asked for: at equal bytes the other kinds are more accurate.
 std::vector<Family> families(dfield_kind kind) {
+    if (kind == DFIELD_KIND_VOLUME) return {volume_family()};
     std::vector<Family> all;
     for (const std::uint32_t map_size : {16u, 32u, 64u, 128u}) all.push_back(direction_family(map_size, 0));
     for (const std::uint32_t map_size : {32u, 64u}) all.push_back(direction_family(map_size, 8));
@@ -190,7 +197,7 @@ void add_budget_option(CLI::App& command, std::uint64_t& budget) {
         "K = 1024): fields that fill the budget are baked and measured, and the one with the smallest RMS "
         "error "
         "in scene corner, every kind asked about the same 512 directions, wins; equal ones by bytes. --kind "
-        "maps, lines or directions restricts the choice");
+        "maps, lines or directions restricts the choice, --kind volume takes the largest volume that fits");
     option->transform(CLI::AsSizeValue(false))
         ->check(CLI::PositiveNumber)
         ->type_name("BYTES")
@@ -198,7 +205,7 @@ void add_budget_option(CLI::App& command, std::uint64_t& budget) {
     for (const char* flag :
          {"--subdivision", "--map-size", "--mapping", "--positions", "--bits", "--direction-count",
           "--direction-size", "--direction-levels", "--direction-depth", "--line-size", "--line-bits",
-          "--line-depth-size", "--line-lookup", "--line-space"})
+          "--line-depth-size", "--line-lookup", "--line-space", "--volume-size"})
         option->excludes(flag);
 }
 

@@ -103,7 +103,7 @@ void choose_kind(AoCommand& command, const CLI::App& ao) {
     dfield_ao_desc& desc = command.ao.desc;
     std::string& kind = command.plan_options.kind;
     if (kind == "all")
-        throw Error(ExitCode::kUsage, "--kind: ao needs one kind: auto, maps, lines or directions");
+        throw Error(ExitCode::kUsage, "--kind: ao needs one kind: auto, maps, lines, directions or volume");
     const bool distances = std::isfinite(desc.max_distance) || desc.bias > 0;
     if (kind == "auto") {
         bool map_flags = false;
@@ -124,6 +124,11 @@ void choose_kind(AoCommand& command, const CLI::App& ao) {
     if (!distances) return;
     const bool known = kind == "maps" || (kind == "lines" && command.plan.lines->depth_bits != 0) ||
                        (kind == "directions" && command.plan.directions.back().depth_size != 0);
+    if (kind == "volume")
+        throw Error(
+            ExitCode::kUsage,
+            "--max-distance, --falloff and --bias ask for distances, which occlusion volumes do not know; "
+            "take --kind maps");
     if (!known)
         throw Error(ExitCode::kUsage,
                     "--max-distance and --bias ask for distances: " +
@@ -237,8 +242,8 @@ void add_ao_command(CLI::App& app, ExitCode&) {
     add_plan_options(*ao, command->plan_options);
     ao->get_option("--kind")->description(
         "What is baked and looked up: maps (displacement maps), lines (a line table), directions (direction "
-        "maps, "
-        "with directions that all vertices share), or auto: directions, the most accurate and the fastest "
+        "maps, with directions that all vertices share), volume (an occlusion volume), or auto: directions, "
+        "the most accurate and the fastest "
         "here; maps "
         "where --max-distance, --falloff or --bias ask for distances, where more rays are wanted than "
         "vertices can "

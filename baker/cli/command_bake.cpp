@@ -257,7 +257,7 @@ void add_bake_command(CLI::App& app, ExitCode& exit_code) {
         command->bake.budget_kind = command->plan_options.kind;
         if (command->budget != 0 && command->plan_options.kind == "all")
             throw Error(ExitCode::kUsage,
-                        "--budget chooses one kind: --kind auto, maps, lines or directions");
+                        "--budget chooses one kind: --kind auto, maps, lines, directions or volume");
         for (const std::string& note : command->plan_options.notes()) say(command->common.json, note);
         const std::string output = command->output.string();
         const bool folder = command->models.size() > 1 || fs::is_directory(command->output) ||

@@ -84,7 +84,10 @@ std::vector<std::byte> given_field(const CompareCommand& command, const Triangle
 std::string kind_of_file(const fs::path& path) {
     try {
         const DisplacementField field = read_field(read_file(path));
-        return has_maps(field.parameters) ? "maps" : field.lines ? "lines" : "directions";
+        return has_maps(field.parameters)  ? "maps"
+               : field.lines               ? "lines"
+               : !field.directions.empty() ? "directions"
+                                           : "volume";
     } catch (const FormatError& error) {
         throw InputError(path.string() + ": " + error.what());
     }
@@ -198,8 +201,10 @@ void print_comparison(const CompareCommand& command, const Comparison& result) {
                          : std::string()));
     say(target, text("error    %8.2f grey RMS of 255, bias %+.2f, 95%% below %.1f, max %.1f", result.rms_grey,
                      result.bias_grey, result.percentile_95, result.max_grey));
-    say(target, text("         %8.2f grey RMS against %u rays; %.2f%% of the rays disagree",
-                     result.rms_grey_converged, command.converged_rays, 100 * result.disagree_fraction));
+    say(target,
+        text("         %8.2f grey RMS against %u rays", result.rms_grey_converged, command.converged_rays) +
+            (result.knows_rays ? text("; %.2f%% of the rays disagree", 100 * result.disagree_fraction)
+                               : std::string()));
     say(target, text("memory   %s loaded, %s on disk", bytes_text(result.field_bytes).c_str(),
                      bytes_text(result.file_bytes).c_str()));
 }
@@ -294,9 +299,8 @@ void add_compare_command(CLI::App& app, ExitCode&) {
     compare->add_flag("--no-cache", command->no_cache, "Neither read nor write the cache");
     add_plan_options(*compare, command->options);
     compare->get_option("--kind")->description(
-        "What is looked up: maps (displacement maps), lines (a line table) or directions (direction maps); "
-        "auto: maps, "
-        "or with --budget the best");
+        "What is looked up: maps (displacement maps), lines (a line table), directions (direction maps) or "
+        "volume (an occlusion volume); auto: maps, or with --budget the best");
     add_budget_option(*compare, command->budget);
     compare->get_option("--budget")->excludes("--field");
     add_common_options(*compare, command->common, "1");
@@ -309,14 +313,16 @@ void add_compare_command(CLI::App& app, ExitCode&) {
         "--field "
         "what the\nfile has, with --budget what it chooses.");
     compare->callback([command, compare] {
-        for (const char* flag : {"--subdivision", "--map-size", "--mapping", "--positions", "--bits"})
+        for (const char* flag :
+             {"--subdivision", "--map-size", "--mapping", "--positions", "--bits", "--volume-size"})
             if (!command->field.empty() && compare->count(flag) > 0)
                 std::fprintf(stderr, "dfield: warning: %s is ignored: %s has its own (see dfield info)\n",
                              flag, command->field.string().c_str());
         if (command->options.kind == "auto" && command->budget == 0)
             command->options.kind = command->field.empty() ? "maps" : kind_of_file(command->field);
         if (command->options.kind == "all")
-            throw Error(ExitCode::kUsage, "--kind: compare one kind at a time: maps, lines or directions");
+            throw Error(ExitCode::kUsage,
+                        "--kind: compare one kind at a time: maps, lines, directions or volume");
         if ((command->options.kind == "directions" || command->options.kind == "auto") &&
             command->ray_sampling == "polar")
             throw Error(ExitCode::kUsage,

@@ -66,6 +66,12 @@ class Arena {
 
     const Ao& ao() const { return *ao_; }
 
+    // Whether it can be told which rays are blocked.
+    bool knows_rays() const {
+        return std::none_of(fields_.begin(), fields_.end(),
+                            [&](const Field& field) { return ao_->kind(field) == DFIELD_KIND_VOLUME; });
+    }
+
     // The kind that answers; "mixed" where fields differ.
     std::string kind() const {
         std::string result;
@@ -211,15 +217,19 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
     time_occluded(opponents.embree, rays, embree_modes(true).front(), input.threads, 1, occluded);
 
     const std::size_t words = dfield_ao_get_mask_words(arena.ao().get());
-    std::vector<std::uint32_t> masks(count * words);
-    opponents.lookup->visibility_mask(arena.ao(), receivers, masks.data());
+    std::vector<std::uint32_t> masks;
+    if (arena.knows_rays()) {
+        masks.resize(count * words);
+        opponents.lookup->visibility_mask(arena.ao(), receivers, masks.data());
+    }
     std::vector<double> blocked(count), whole(count);
     std::size_t ray = 0;
     for_rays(input, group.receivers, begin, end,
              [&](std::size_t i, std::size_t r, const glm::vec3&, double weight) {
                  const bool hit = occluded[ray++] != 0;
-                 const bool looked_up = masks[(i - begin) * words + (r >> 5)] >> (r & 31) & 1;
-                 totals.disagreeing += hit != looked_up;
+                 if (!masks.empty())
+                     totals.disagreeing +=
+                         hit != ((masks[(i - begin) * words + (r >> 5)] >> (r & 31) & 1) != 0);
                  if (hit) blocked[i - begin] += weight;
                  whole[i - begin] += weight;
              });
@@ -235,7 +245,7 @@ void compare_chunk(const ComparisonInput& input, Arena& arena, const ReceiverGro
                            [&](const glm::mat4& to_unit) { return meets_unit_sphere(to_unit, ray); });
     });
     totals.sphere_rays += meeting.size();
-    if (meeting.empty() || input.shared) return;  // single rays are no question for direction maps
+    if (meeting.empty() || input.shared || !arena.knows_rays()) return;  // no question for these
     totals.embree_sphere_seconds +=
         time_occluded(opponents.embree, meeting, mode, input.threads, input.repetitions, occluded);
     std::vector<std::uint8_t> answers(meeting.size());
@@ -324,6 +334,7 @@ Comparison compare(const ComparisonInput& given) {
 
     result.receivers = result.lookup.size();
     result.kind = arena.kind();
+    result.knows_rays = arena.knows_rays();
     result.rays_per_receiver = ray_count;
     const auto all = static_cast<double>(result.rays);
     set_errors(result);
@@ -352,7 +363,7 @@ Json Comparison::json() const {
                                 {"95", significant(percentile_95)},
                                 {"99", significant(percentile_99)}};
     json["rms_grey_converged"] = significant(rms_grey_converged);
-    json["disagree_fraction"] = significant(disagree_fraction);
+    if (knows_rays) json["disagree_fraction"] = significant(disagree_fraction);
     json["sphere_hit_fraction"] = significant(sphere_hit_fraction);
     json["lookup_seconds"] = significant(lookup_seconds);
     json["embree_seconds"] = significant(embree_seconds);

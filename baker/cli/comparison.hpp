@@ -42,13 +42,14 @@ struct ComparisonInput {
 };
 
 struct Comparison {
-    std::string kind;  // that the lookup used: maps, lines or directions
+    std::string kind;  // that the lookup used: maps, lines, directions or volume
     std::size_t receivers = 0, rays = 0, rays_per_receiver = 0;
     // Visibility by lookup minus by ray casting, times 255.
     double rms_grey = 0, bias_grey = 0, max_grey = 0, rms_grey_converged = 0;
     double percentile_50 = 0, percentile_90 = 0, percentile_95 = 0,
            percentile_99 = 0;      // of the absolute error
-    double disagree_fraction = 0;  // rays that one side blocks and the other does not
+    bool knows_rays = true;        // whether the lookup can tell which rays are blocked
+    double disagree_fraction = 0;  // rays that one side blocks and the other does not, where it can
     double sphere_hit_fraction = 0;
     double lookup_seconds = 0, embree_seconds = 0;
     double lookup_mrays_per_s = 0, embree_mrays_per_s = 0, speedup = 0, speedup_sphere_hits = 0;

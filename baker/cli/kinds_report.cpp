@@ -33,6 +33,7 @@ std::uint64_t kinds_bytes(const DisplacementField& field) {
     std::uint64_t bytes = map_field_bytes(field);
     if (field.lines) bytes += line_bytes(*field.lines);
     for (const DirectionMaps& level : field.directions) bytes += level.memory_bytes();
+    if (field.volume) bytes += field.volume->memory_bytes();
     return bytes;
 }
 
@@ -72,6 +73,15 @@ Json kinds_json(const DisplacementField& field, const FileInfo& file) {
                          {"memory_bytes", field.directions[i].memory_bytes()},
                          {"file_bytes", stored_bytes(file, {layout::kDirectionLevels[i]})}});
     }
+    if (field.volume) {
+        const OcclusionVolume& volume = *field.volume;
+        kinds.push_back({{"kind", "volume"},
+                         {"dims", volume.dims},
+                         {"spacing", volume.spacing},
+                         {"far_size", volume.far_size},
+                         {"memory_bytes", volume.memory_bytes()},
+                         {"file_bytes", stored_bytes(file, {layout::kVolume})}});
+    }
     return kinds;
 }
 
@@ -107,6 +117,14 @@ std::vector<KindLine> kind_lines(const DisplacementField& field, const FileInfo&
                                             p.map_size, depths.c_str()) +
                                            sizes(field.directions[i].memory_bytes(),
                                                  stored_bytes(file, {layout::kDirectionLevels[i]}))});
+    }
+    if (field.volume) {
+        const OcclusionVolume& volume = *field.volume;
+        lines.push_back(
+            {"volume", text("%ux%ux%u samples of 8 octants, %g apart; %ux%u balls beyond", volume.dims[0],
+                            volume.dims[1], volume.dims[2], static_cast<double>(volume.spacing),
+                            volume.far_size, volume.far_size) +
+                           sizes(volume.memory_bytes(), stored_bytes(file, {layout::kVolume}))});
     }
     return lines;
 }

@@ -19,13 +19,14 @@ bool PlanOptions::has_kind(const std::string& name) const {
     if (kind != "auto") return kind == name;
     const FieldPlan plan = default_plan();
     return (name == "maps" && plan.maps) || (name == "lines" && plan.lines) ||
-           (name == "directions" && !plan.directions.empty());
+           (name == "directions" && !plan.directions.empty()) || (name == "volume" && plan.volume);
 }
 
 dfield_kind PlanOptions::forced_kind() const {
     return kind == "maps"         ? DFIELD_KIND_MAPS
            : kind == "lines"      ? DFIELD_KIND_LINES
            : kind == "directions" ? DFIELD_KIND_DIRECTIONS
+           : kind == "volume"     ? DFIELD_KIND_VOLUME
                                   : DFIELD_KIND_AUTO;
 }
 
@@ -36,6 +37,10 @@ FieldPlan PlanOptions::plan() const {
         plan.lines = lines;
         if (lines.depth_bits == 0) plan.lines->depth_lattice = 0;
     }
+    if (has_kind("volume"))
+        plan.volume = VolumeParameters{volume_size.value_or(VolumeParameters{}.size)};
+    else if (volume_size)
+        throw Error(ExitCode::kUsage, "--volume-size is for --kind volume or all, not " + kind);
     if (has_kind("directions")) {
         DirectionParameters finest = directions;
         if (direction_count) finest.subdivision = direction_subdivision(*direction_count);
@@ -82,10 +87,11 @@ void add_plan_options(CLI::App& command, PlanOptions& options) {
         .add_option(
             "--kind", options.kind,
             "What to bake: maps (displacement maps, for any ray and its first hit), lines (a line table, "
-            "any ray's visibility), directions (direction maps, for batches of receivers), all of them, or "
-            "auto: maps and directions")
+            "any ray's visibility), directions (direction maps, for batches of receivers), volume (an "
+            "occlusion "
+            "volume, for ambient occlusion alone), all of them, or auto: maps and directions")
         ->capture_default_str()
-        ->transform(CLI::IsMember({"auto", "maps", "lines", "directions", "all"}, CLI::ignore_case))
+        ->transform(CLI::IsMember({"auto", "maps", "lines", "directions", "volume", "all"}, CLI::ignore_case))
         ->group("Field");
     add_field_options(command, options.maps);
     command
@@ -150,6 +156,12 @@ void add_plan_options(CLI::App& command, PlanOptions& options) {
         ->default_str(options.lines.ellipsoid ? "ellipsoid" : "sphere")
         ->transform(CLI::IsMember({"ellipsoid", "sphere"}, CLI::ignore_case))
         ->group("Line table");
+    command
+        .add_option("--volume-size", options.volume_size,
+                    "Samples along the longest side of the occlusion volume's grid around the object")
+        ->default_str(std::to_string(VolumeParameters{}.size))
+        ->check(CLI::Range(kSmallestVolume, kMaxVolumeSize))
+        ->group("Occlusion volume");
 }
 
 }  // namespace dfield::cli

@@ -13,9 +13,9 @@
 namespace dfield::cli {
 
 // --kind, the displacement maps' flags (options.hpp), --direction-count --direction-levels --direction-size
-// --direction-depth, --line-size --line-bits --line-depth-size --line-lookup --line-space
+// --direction-depth, --line-size --line-bits --line-depth-size --line-lookup --line-space, --volume-size
 struct PlanOptions {
-    // maps, lines, directions, all; auto: what serves most, default_plan()'s kinds.
+    // maps, lines, directions, volume, all; auto: what serves most, default_plan()'s kinds.
     std::string kind = "auto";
     FieldParameters maps;
     LineParameters lines;
@@ -25,6 +25,7 @@ struct PlanOptions {
     std::optional<std::uint32_t> direction_depth;  // as given; otherwise none, or
     bool depths_by_default = false;                // as fine as the maps
     std::uint32_t direction_levels = 1;
+    std::optional<std::uint32_t> volume_size;  // as given
 
     bool has_kind(const std::string& name) const;
 

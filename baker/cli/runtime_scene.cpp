@@ -39,6 +39,8 @@ const char* name_of(dfield_kind kind) {
             return "lines";
         case DFIELD_KIND_DIRECTIONS:
             return "directions";
+        case DFIELD_KIND_VOLUME:
+            return "volume";
         default:
             return "auto";
     }

@@ -24,7 +24,7 @@ class ThreadedContext {
     Context context_;
 };
 
-// "maps", "lines" or "directions", as --kind and reports spell it.
+// "maps", "lines", "directions" or "volume", as --kind and reports spell it.
 const char* name_of(dfield_kind kind);
 
 // Points with normals where occlusion is asked for, world space.

@@ -28,7 +28,7 @@ struct SceneVisibility {
     std::size_t vertices = 0, baked = 0, from_cache = 0;
     double bake_seconds = 0, self_seconds = 0, visibility_seconds = 0;
     std::uint64_t field_bytes = 0;
-    std::string kind = "none";  // that answered: maps, lines or directions; none where nothing was looked up
+    std::string kind = "none";  // that answered, as --kind has it; none where nothing was looked up
 };
 
 // By lookup: each distinct mesh is baked once (or found in the cache); others' occlusion is looked up, an

@@ -10,6 +10,7 @@ Json verification_json(const TriangleMesh& mesh, const DisplacementField& field,
     if (has_maps(field.parameters)) kinds.push_back(DFIELD_KIND_MAPS);
     if (field.lines) kinds.push_back(DFIELD_KIND_LINES);
     if (!field.directions.empty()) kinds.push_back(DFIELD_KIND_DIRECTIONS);
+    if (field.volume) kinds.push_back(DFIELD_KIND_VOLUME);
 
     const ThreadedContext context(threads);
     const Field loaded = Field::load(context.get(), bytes.data(), bytes.size());

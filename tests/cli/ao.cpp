@@ -206,6 +206,12 @@ TEST_CASE("ao --kind: what answers, and what auto takes") {
                   .margin(0.03));
         CHECK(answer({"--kind", kind, "--max-distance", "0.6"}).at("kind") == kind);
     }
+    const Json volume = answer({"--kind", "volume", "--volume-size", "32"});
+    CHECK(volume.at("kind") == "volume");
+    CHECK(volume.at("sampling") == "hemisphere");
+    CHECK(volume.at("mean_visibility").get<double>() ==
+          Approx(answer({"--method", "rays", "--kind", "maps"}).at("mean_visibility").get<double>())
+              .margin(0.06));
 }
 
 TEST_CASE("ao of a model without nodes, to GLB and to PLY") {

@@ -83,6 +83,15 @@ TEST_CASE("--kind restricts --budget") {
     }
 }
 
+TEST_CASE("--budget takes the largest occlusion volume that fits") {
+    const Shell shell;
+    const Json json = bake(shell, {"--budget", "48K", "--kind", "volume"});
+    const Json winner = check_choice(json.at("budget"), 48 * 1024);
+    CHECK(json.at("budget").at("candidates").size() == 1);
+    CHECK(winner.at("kind") == "volume");
+    CHECK(winner.at("dims")[0].get<int>() >= 16);
+}
+
 TEST_CASE("--budget leaves room for what --self and --verify add") {
     const Shell shell;
     const Json json = bake(shell, {"--budget", "8K", "--self", "--verify"});

@@ -60,6 +60,21 @@ TEST_CASE("compare reports errors, speeds and sizes") {
     number(json, "file_bytes", 500, 66 * 64);
 }
 
+TEST_CASE("compare of an occlusion volume says nothing of single rays") {
+    const Shell shell;
+    const Arguments arguments{"--caster", "cube.obj", "--kind", "volume", "--volume-size", "24"};
+    const Json json = compare(shell, arguments);
+    CHECK(json.at("kind") == "volume");
+    CHECK(number(json, "rms_grey", 1, 30) < number(json, "max_grey", 2, 255));
+    CHECK(!json.contains("disagree_fraction"));
+    CHECK(!json.contains("speedup_sphere_hits"));
+    REQUIRE(shell.run({"bake", "cube.obj", "-o", "cube.dfield", "--kind", "volume", "--volume-size", "24"})
+                .exit_code == 0);
+    const Json given = compare(shell, {"--caster", "cube.obj", "--field", "cube.dfield"}, false);
+    CHECK(given.at("kind") == "volume");
+    CHECK(given.at("rms_grey") == json.at("rms_grey"));
+}
+
 TEST_CASE("compare takes a baked field, or bakes one and keeps it") {
     const Shell shell;
     REQUIRE(

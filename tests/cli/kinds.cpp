@@ -1,4 +1,4 @@
-// dfield bake --kind, and what info and validate say of line tables and direction maps.
+// dfield bake --kind, and what info and validate say of line tables, direction maps and occlusion volumes.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <set>
@@ -50,7 +50,8 @@ TEST_CASE("--kind says what is baked, and info, validate and the report agree on
         {"maps", "maps", "FELD MASK DIST PROV "},
         {"lines", "lines", "FELD LINE PROV "},
         {"directions", "directions", "FELD DM00 PROV "},
-        {"all", "maps lines directions", "FELD MASK DIST LINE DM00 PROV "},
+        {"volume", "volume", "FELD VOLU PROV "},
+        {"all", "maps lines directions volume", "FELD MASK DIST LINE DM00 VOLU PROV "},
         {"auto", "maps directions", "FELD MASK DIST DM00 PROV "}};
     std::set<std::string> hashes;
     for (const auto& [kind, kinds, sections] : cases) {
@@ -166,7 +167,8 @@ TEST_CASE("any number of threads gives the same line table and direction maps") 
 
 TEST_CASE("--verify measures every kind and leaves the payload as it is") {
     const Shell shell;
-    const Arguments kinds{"--kind", "all", "--direction-count", "258", "--line-size", "16"};
+    const Arguments kinds{"--kind",      "all", "--direction-count", "258",
+                          "--line-size", "16",  "--volume-size",     "20"};
     const Json plain = baked(shell, kinds);
     CHECK(!plain.contains("verified"));
     Arguments verify = kinds;
@@ -175,7 +177,7 @@ TEST_CASE("--verify measures every kind and leaves the payload as it is") {
     CHECK(report.at("payload_hash") == plain.at("payload_hash"));
     const Json shown = info(shell);
     CHECK(shown.at("provenance").at("verified") == report.at("verified"));
-    for (const char* kind : {"maps", "lines", "directions"})
+    for (const char* kind : {"maps", "lines", "directions", "volume"})
         for (const char* scene : {"corner", "corner-contact"}) {
             INFO(kind << " " << scene);
             const Json& errors = report.at("verified").at(kind).at(scene);

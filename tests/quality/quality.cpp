@@ -8,6 +8,7 @@
 //         "subdivision": 32, "map_size": 32, "bits": 8,            these are the defaults, as are the rest:
 //         "mapping": "concentric", "positions": "slater",
 //         "lines": { "lattice": 24, "filtered": false },           a line table instead of displacement maps
+//         "volume": { "size": 48 },                                or an occlusion volume
 //         "limits": { "rms_grey": 2.3, "bias_grey": 1, "max_grey": 40, "file_bytes": 1048576 } } ] }
 //
 // rms_grey, bias_grey (either sign) and max_grey are over the corner's 3,267 vertices with 256 rays each, in
@@ -55,6 +56,10 @@ FieldParameters parameters_of(const json& configuration) {
 
 FieldPlan plan_of(const json& configuration) {
     FieldPlan plan;
+    if (configuration.contains("volume")) {
+        plan.volume = VolumeParameters{configuration.at("volume").value("size", VolumeParameters{}.size)};
+        return plan;
+    }
     if (!configuration.contains("lines")) {
         plan.maps = parameters_of(configuration);
         return plan;
@@ -70,6 +75,7 @@ FieldPlan plan_of(const json& configuration) {
 
 // What identifies a field among those of a model, and a configuration in the output.
 std::string field_name(const FieldPlan& plan) {
+    if (plan.volume) return "volume " + std::to_string(plan.volume->size);
     if (plan.lines)
         return "lines " + std::to_string(plan.lines->lattice) + (plan.lines->pivot ? " pivot" : "") +
                (plan.lines->filtered ? " filtered" : "");
