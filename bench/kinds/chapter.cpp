@@ -112,6 +112,7 @@ constexpr Look kLooks[] = {
     {"line table, pivot, ellipsoid", "", "lines, pivot", {120, 180, 40}, Marker::kDiamond},
     {"direction maps", "× 32²", "directions, 32^2", {214, 39, 40}, Marker::kDisc},
     {"direction maps", "× 64²", "directions, 64^2", {255, 127, 14}, Marker::kDisc},
+    {"occlusion volume", "", "occlusion volume", {23, 190, 207}, Marker::kDisc},
     {"distance field", "", "distance field", {120, 120, 120}, Marker::kTriangle},
     {"grid of caps", "", "grid of caps", {148, 103, 189}, Marker::kCross},
 };
@@ -226,8 +227,8 @@ void write_scales(const Report& report, paper::Page& page) {
 void write_kinds(const Report& report, paper::Page& page) {
     page.heading(2, "Kinds");
     page.paragraph(
-        "Displacement maps, line tables and direction maps beside ray casting and beside what else is used "
-        "for this: "
+        "Displacement maps, line tables, direction maps and occlusion volumes beside ray casting and beside "
+        "what else is used for this: "
         "what is asked of them, and what was measured. KB are thousands of bytes in memory, unless said "
         "otherwise.");
     write_asked(report, page);

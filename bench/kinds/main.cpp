@@ -10,8 +10,9 @@ int main(int argc, char** argv) {
     std::string json = "-";
     bool quick = false;
     CLI::App app(
-        "Measures displacement maps, line tables and direction maps beside Embree, distance fields and grids "
-        "of caps");
+        "Measures displacement maps, line tables, direction maps and occlusion volumes beside Embree, "
+        "distance "
+        "fields and grids of caps");
     app.add_option("--output", output, "A Markdown page; its plots go into a folder named like it");
     app.add_option("--json", json, "The figures as JSON: a file, or - for stdout")->capture_default_str();
     app.add_option("--models", own, "The project's own models")

@@ -47,6 +47,13 @@ Specimen directions(const paper::Lab& lab, std::uint32_t subdivision, std::uint3
             plan, DFIELD_KIND_DIRECTIONS, headline};
 }
 
+Specimen volume(const paper::Lab& lab, std::uint32_t full, bool headline) {
+    const std::uint32_t size = lab.quick() ? full / 2 : full;
+    FieldPlan plan;
+    plan.volume = VolumeParameters{size};
+    return {"occlusion volume", std::to_string(size) + "³", plan, DFIELD_KIND_VOLUME, headline};
+}
+
 }  // namespace
 
 Specimen direction_specimen(const paper::Lab& lab, std::uint32_t n, std::uint32_t m) {
@@ -60,7 +67,9 @@ std::vector<Specimen> specimens(const paper::Lab& lab, bool sweep) {
                                  lines(lab, 24, LineSpace::kEllipsoid, true),
                                  lines(lab, 33, LineSpace::kEllipsoidPivot, true),
                                  directions(lab, 16, 32, true),
-                                 directions(lab, 16, 64, true)};
+                                 directions(lab, 16, 64, true),
+                                 volume(lab, 32, true),
+                                 volume(lab, 48, true)};
     if (!sweep) return result;
     for (const auto& [n, m] : {std::pair{8u, 16u}, {16u, 16u}, {16u, 32u}, {32u, 64u}})
         for (const std::uint32_t bits : {8u, 1u})
@@ -70,6 +79,7 @@ std::vector<Specimen> specimens(const paper::Lab& lab, bool sweep) {
             result.push_back(lines(lab, lattice, space, false));
     for (const auto& [n, m] : {std::pair{8u, 32u}, {24u, 32u}, {32u, 32u}, {8u, 64u}, {24u, 64u}, {32u, 64u}})
         result.push_back(directions(lab, n, m, false));
+    for (const std::uint32_t size : {24u, 64u}) result.push_back(volume(lab, size, false));
     return result;
 }
 

@@ -30,7 +30,7 @@ foreach(i RANGE ${last})
     message(FATAL_ERROR "${kind} has an error of ${rms}: it does not show the model")
   endif()
 endforeach()
-foreach(kind "displacement maps, 8 bit" "displacement maps, 1 bit" "line table" "direction maps" "distance field"
+foreach(kind "displacement maps, 8 bit" "displacement maps, 1 bit" "line table" "direction maps" "occlusion volume" "distance field"
              "grid of caps")
   if(NOT kind IN_LIST kinds)
     message(FATAL_ERROR "no row of ${kind}")
