@@ -115,10 +115,16 @@ ScalarVolume plane_volume(Dims dims, const glm::dvec3& centre, const glm::dvec3&
 }
 
 ScalarVolume gyroid_volume(Dims dims, double periods) {
-    const double scale = 2 * glm::pi<double>() * periods / std::max({dims[0], dims[1], dims[2]});
+    const std::uint32_t longest = std::max({dims[0], dims[1], dims[2]});
+    const double scale = 2 * glm::pi<double>() * periods / longest;
+    std::vector<double> sines, cosines;  // a hundred million voxels have but a few hundred coordinates
+    for (std::uint32_t i = 0; i < longest; ++i) {
+        sines.push_back(std::sin(i * scale));
+        cosines.push_back(std::cos(i * scale));
+    }
     return sampled(dims, kUnitSpacing, [&](const glm::dvec3& p) {
-        const glm::dvec3 q = p * scale;
-        return std::sin(q.x) * std::cos(q.y) + std::sin(q.y) * std::cos(q.z) + std::sin(q.z) * std::cos(q.x);
+        const glm::uvec3 i(p);
+        return sines[i.x] * cosines[i.y] + sines[i.y] * cosines[i.z] + sines[i.z] * cosines[i.x];
     });
 }
 

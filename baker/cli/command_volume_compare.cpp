@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "baker/cli/command_volume.hpp"
+#include "baker/cli/form_runner.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/surface_points.hpp"
 #include "baker/cli/terminal.hpp"
@@ -21,13 +22,6 @@ struct CompareVolumeCommand {
     CommonOptions common;
 };
 
-dfield_volume_points points_at(const std::vector<float>& positions) {
-    dfield_volume_points points{};
-    points.count = positions.size() / 3;
-    points.positions = positions.data();
-    return points;
-}
-
 // Visibility by rays, some points at a time for the progress and for Ctrl-C; the same as in one call.
 std::vector<float> cast(const CompareVolumeCommand& command, const VolumeField& field,
                         const std::vector<float>& positions) {
@@ -45,47 +39,6 @@ std::vector<float> cast(const CompareVolumeCommand& command, const VolumeField& 
     }
     return visibility;
 }
-
-// What each form finds at the points: the paper's by its octants there, the others in their volumes.
-class FormRunner {
-  public:
-    FormRunner(const VolumeSweeper& sweeper, int repetitions)
-        : sweeper_(sweeper),
-          repetitions_(repetitions),
-          distance_(sweeper.voxels()),
-          visibility_(sweeper.voxels()) {}
-
-    const std::vector<float>& distance() const { return distance_; }
-
-    // The seconds of the fastest sweep.
-    double sweep(const dfield_sweep_desc& desc) {
-        const bool paper = desc.form == DFIELD_FORM_PAPER;
-        if (paper) octants_.resize(8 * sweeper_.voxels());
-        dfield_sweep_outputs outputs = no_sweep_outputs();
-        outputs.distance = distance_.data();
-        outputs.visibility = visibility_.data();
-        if (paper) outputs.octants = octants_.data();
-        double seconds = sweeper_.sweep(desc, outputs);
-        for (int i = 1; i < repetitions_; ++i) seconds = std::min(seconds, sweeper_.sweep(desc, outputs));
-        return seconds;
-    }
-
-    std::vector<float> at(const dfield_sweep_desc& desc, const dfield_volume_points& points) const {
-        std::vector<float> found(points.count);
-        const VolumeField field = sweeper_.field(distance_.data());
-        if (desc.form == DFIELD_FORM_PAPER)
-            field.gather_octants(octants_.data(), points, found.data());
-        else
-            field.interpolate(visibility_.data(), points, found.data());
-        return found;
-    }
-
-  private:
-    const VolumeSweeper& sweeper_;
-    int repetitions_;
-    std::vector<float> distance_, visibility_;
-    std::vector<std::uint8_t> octants_;
-};
 
 void run(const CompareVolumeCommand& command) {
     const Volume volume = read_volume_input(command.input);

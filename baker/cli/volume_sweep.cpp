@@ -154,7 +154,8 @@ glm::vec3 to_sweep_frame(const VolumeGrid& grid, const glm::vec3& direction) {
     return glm::vec3(grid.spacing() * (glm::inverse(grid.directions) * glm::dvec3(direction)));
 }
 
-VolumeSweeper::VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads)
+VolumeSweeper::VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads,
+                             dfield_context_desc hooks)
     : name_(std::move(name)), voxels_(volume.grid.voxels()) {
     const ValueRange range = value_range(volume);
     if (!(isovalue > static_cast<float>(range.min) && isovalue <= static_cast<float>(range.max)))
@@ -186,11 +187,10 @@ VolumeSweeper::VolumeSweeper(std::string name, const Volume& volume, float isova
         samples_.type = DFIELD_SAMPLE_F32;
         samples_.data = converted_.data();
     }
-    dfield_context_desc desc{};
-    desc.struct_size = sizeof desc;
+    hooks.struct_size = sizeof hooks;
     if (thread_count(threads) > 1)
-        threads_.emplace(static_cast<unsigned>(thread_count(threads))).install(desc);
-    context_.emplace(&desc);
+        threads_.emplace(static_cast<unsigned>(thread_count(threads))).install(hooks);
+    context_.emplace(&hooks);
 }
 
 double VolumeSweeper::sweep(const dfield_sweep_desc& desc, const dfield_sweep_outputs& outputs) const {

@@ -47,8 +47,10 @@ class VolumeSweeper {
   public:
     // `name` is the volume's in messages; the volume must outlive this. Warns on stderr of directions that
     // are not perpendicular. Throws Error of usage where no voxel is on the one or on the other side of the
-    // isovalue.
-    VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads);
+    // isovalue. `hooks` as for a context of its own; its parallel_for is that of `threads` where these are
+    // more than one.
+    VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads,
+                  dfield_context_desc hooks = {});
 
     int threads() const { return static_cast<int>(threads_ ? threads_->size() : 1); }
     std::size_t voxels() const { return voxels_; }

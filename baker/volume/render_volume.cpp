@@ -81,7 +81,10 @@ struct GridRay {
 class GridFrame {
   public:
     explicit GridFrame(const VolumeGrid& grid)
-        : to_index_(glm::inverse(grid.directions)), origin_(grid.origin), smallest_(0) {
+        : to_world_(grid.directions),
+          to_index_(glm::inverse(grid.directions)),
+          origin_(grid.origin),
+          smallest_(0) {
         const glm::dvec3 spacing = grid.spacing();
         smallest_ = static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}));
         if (!(smallest_ > 0) || !std::isfinite(glm::determinant(to_index_)))
@@ -89,6 +92,9 @@ class GridFrame {
     }
 
     float smallest_spacing() const { return smallest_; }
+    glm::vec3 position(const glm::vec3& index) const {
+        return glm::vec3(origin_ + to_world_ * glm::dvec3(index));
+    }
 
     // The part of the ray ahead of its origin that lies between the outermost voxels.
     std::optional<GridRay> enter(const glm::vec3& origin, const glm::vec3& direction,
@@ -136,7 +142,7 @@ class GridFrame {
     }
 
   private:
-    glm::dmat3 to_index_;
+    glm::dmat3 to_world_, to_index_;
     glm::dvec3 origin_;
     float smallest_;
 };
@@ -170,6 +176,14 @@ std::optional<float> find_surface(const Trilinear& distance, const GridRay& ray,
         before = t;
     }
     return std::nullopt;
+}
+
+// Half a voxel off the surface, so that it does not hide the light from itself.
+bool in_shadow(const GridFrame& frame, const Trilinear& distance, const glm::vec3& index,
+               const glm::vec3& normal, const glm::vec3& light) {
+    const glm::vec3 off = index + 0.5f * frame.voxel_along(normal);
+    const auto ray = frame.enter(frame.position(off), light, distance.last());
+    return ray && find_surface(distance, *ray, frame.smallest_spacing());
 }
 
 }  // namespace
@@ -206,16 +220,24 @@ Image render_isosurface(const ScalarField& field, const Camera& camera, const Is
         const glm::vec3 normal = !cut                        ? frame.normal(distance.gradient(index))
                                  : ray->face != glm::vec3(0) ? frame.normal(ray->face)
                                                              : -ray->world_direction;
-        float grey = 1;
-        if (style.local)
-            grey = style.ambient +
-                   (1 - style.ambient) *
-                       std::max(0.0f, glm::dot(normal, light_of(style.light, ray->world_direction)));
         // The grid's border cuts the matter open to what is outside, which hides nothing.
         const bool open = cut && ray->face != glm::vec3(0);
-        if (visibility && !open)
-            grey *= std::clamp((*visibility)(index + style.visibility_offset * frame.voxel_along(normal)),
-                               0.0f, 1.0f);
+        float seen = 1;
+        if (!open && style.visibility_at)
+            seen = style.visibility_at(index);
+        else if (!open && visibility)
+            seen = (*visibility)(index + style.visibility_offset * frame.voxel_along(normal));
+        seen = std::clamp(seen, 0.0f, 1.0f);
+        float lit = 1;
+        if (style.local) {
+            const glm::vec3 light = light_of(style.light, ray->world_direction);
+            lit = std::max(0.0f, glm::dot(normal, light));
+            if (style.hard_shadows && lit > 0 && in_shadow(frame, distance, index, normal, light)) lit = 0;
+        }
+        const float direct = (1 - style.ambient) * lit;
+        const float grey = style.shadows ? style.ambient + direct * seen
+                           : style.local ? (style.ambient + direct) * seen
+                                         : seen;
         return grey * style.albedo;
     };
     return render_rays(camera, options, colour);

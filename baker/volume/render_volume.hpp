@@ -1,6 +1,7 @@
 // Pictures of volumes by marching rays: isosurfaces out of a distance field, and direct volume rendering.
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -30,6 +31,13 @@ struct IsosurfaceStyle {
     // the matter: all is open there. Empty: 1 everywhere.
     std::span<const float> visibility{};
     float visibility_offset = 0;  // voxels along the normal at which visibility is sampled
+    // Instead of a volume: visibility at a point of the surface, told in voxels. Called from several threads.
+    std::function<float(const glm::vec3& index)> visibility_at{};
+    // Visibility is that of one light, whose shadows leave the ambient part: ambient + (1 - ambient) v max(0,
+    // n.l), without the last factor where `local` is false.
+    bool shadows = false;
+    // Rays towards the light that meet the surface: the light's own share is 0 there. With `local`.
+    bool hard_shadows = false;
 };
 
 // The surface where `distance` is 0 and falls below along the ray: positive outside, in world units, an

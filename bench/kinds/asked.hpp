@@ -2,9 +2,9 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <span>
-#include <string>
+
+#include "bench/common/asked.hpp"
 
 namespace dfield::kinds {
 
@@ -37,18 +37,11 @@ inline constexpr double kLinesGrey = 2.2, kDirectionsGrey = 2.0;   // errors tha
 struct Asked {
     Figure figure;
     const char* what;
-    bool at_least;  // otherwise at most
-    double limit;
-    std::optional<double> aim;
-    const char* format;  // printf, of one double
+    bench::Bound bound;
 };
 std::span<const Asked> asked();
 
 // Figures that were measured; those of models that are missing are not.
 using Measured = std::map<Figure, double>;
-
-inline bool met(const Asked& asked, double limit, double measured) {
-    return asked.at_least ? measured >= limit : measured <= limit;
-}
 
 }  // namespace dfield::kinds

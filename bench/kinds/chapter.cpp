@@ -13,35 +13,16 @@ namespace {
 
 using cli::text;
 
-// The format is data of our own (asked.cpp), with one double in each.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-#pragma GCC diagnostic ignored "-Wformat-security"
-std::string formatted(const Asked& asked, double value) {
-    std::array<char, 64> buffer{};
-    std::snprintf(buffer.data(), buffer.size(), asked.format, value);
-    return buffer.data();
-}
-#pragma GCC diagnostic pop
-
 std::string kilobytes(std::uint64_t bytes) {
     return text(bytes < 100000 ? "%.1f" : "%.0f", 1e-3 * static_cast<double>(bytes));
 }
 
-void write_asked(const Report& report, paper::Page& page) {
-    paper::Table table({"figure", "asked", "aim", "measured", "met"});
-    for (const Asked& row : asked()) {
-        const auto at = report.measured.find(row.figure);
-        if (at == report.measured.end()) continue;
-        const std::string sign = row.at_least ? "≥ " : "≤ ";
-        const bool reached = row.aim && met(row, *row.aim, at->second);
-        table.row({row.what, sign + formatted(row, row.limit),
-                   row.aim ? sign + formatted(row, *row.aim) : "–", formatted(row, at->second),
-                   reached                           ? "aim"
-                   : met(row, row.limit, at->second) ? "yes"
-                                                     : "**no**"});
-    }
-    if (!report.measured.empty()) page.table(table);
+void write_asked(const Report& report, bench::Page& page) {
+    bench::AskedTable table("figure");
+    for (const Asked& row : asked())
+        if (const auto at = report.measured.find(row.figure); at != report.measured.end())
+            table.row(row.what, row.bound, at->second);
+    if (!report.measured.empty()) page.table(table.table());
 }
 
 std::string level_text(const Row& row, const char* name) {
@@ -57,7 +38,7 @@ std::vector<std::string> models_of(const Report& report) {
     return models;
 }
 
-void write_corners(const Report& report, paper::Page& page) {
+void write_corners(const Report& report, bench::Page& page) {
     page.heading(3, "One instance in the corner");
     page.paragraph(
         "Errors are RMS in grey levels, against Embree with the same rays: 256 cosine-weighted ones around "
@@ -81,7 +62,7 @@ void write_corners(const Report& report, paper::Page& page) {
     for (const std::string& model : models_of(report)) {
         const auto first = std::find_if(report.rows.begin(), report.rows.end(),
                                         [&](const Row& row) { return row.model == model; });
-        paper::Table table({model, "RMS", "max", "memory", "file", "ns a ray", "ns a receiver", "SSE4, ×",
+        bench::Table table({model, "RMS", "max", "memory", "file", "ns a ray", "ns a receiver", "SSE4, ×",
                             "AVX2, ×", "AVX-512, ×", "×"});
         for (const Row& row : report.rows) {
             if (row.model != model || !row.headline) continue;
@@ -166,7 +147,7 @@ Image plot_of(const Report& report, const std::string& model, bool time) {
     return draw_plot(plot);
 }
 
-void write_plots(const Report& report, paper::Page& page) {
+void write_plots(const Report& report, bench::Page& page) {
     page.heading(3, "Error against memory and against time");
     page.paragraph(
         "Each kind in several sizes, beside the peers. A line joins the sizes of one kind. Further to the "
@@ -183,7 +164,7 @@ void write_plots(const Report& report, paper::Page& page) {
     }
 }
 
-void write_instances(const Report& report, paper::Page& page) {
+void write_instances(const Report& report, bench::Page& page) {
     page.heading(3, "Many instances");
     page.paragraph("Objects over a ground that receives, by direction maps, " +
                    std::to_string(kSharedDirections) +
@@ -196,10 +177,10 @@ void write_instances(const Report& report, paper::Page& page) {
                    "instance moves by a frame's step, and the receivers that it can affect are computed "
                    "again; the result is "
                    "compared with a whole query's, bit by bit.");
-    paper::Table table({"layout", "maps", "receivers", "rays", "frame, ms", "Embree, s", "×", "RMS",
+    bench::Table table({"layout", "maps", "receivers", "rays", "frame, ms", "Embree, s", "×", "RMS",
                         "one moved, ms", "of the frame", "receivers looked at", "two threads, ×"});
     for (const InstancesRow& row : report.instances)
-        table.row({row.layout, row.maps, paper::grouped(row.receivers), paper::grouped(row.rays),
+        table.row({row.layout, row.maps, bench::grouped(row.receivers), bench::grouped(row.rays),
                    text("%.2f", row.frame_seconds * 1e3), text("%.3f", row.embree_seconds),
                    text("%.0f", row.speedup()), text("%.2f", row.rms), text("%.3f", row.moved_seconds * 1e3),
                    text("%.2f%%", 100 * row.moved_seconds / row.frame_seconds),
@@ -208,13 +189,13 @@ void write_instances(const Report& report, paper::Page& page) {
     page.table(table);
 }
 
-void write_scales(const Report& report, paper::Page& page) {
+void write_scales(const Report& report, bench::Page& page) {
     page.heading(3, "Non-uniform and mirrored scale");
     page.paragraph(
         "RMS of a rotated instance in the corner around it; scaled by 1, 1.6 and 0.6 along its axes; "
         "mirrored. In "
         "brackets against the first.");
-    paper::Table table({"kind", "unscaled", "non-uniform", "mirrored"});
+    bench::Table table({"kind", "unscaled", "non-uniform", "mirrored"});
     for (const ScaleRow& row : report.scales)
         table.row({row.kind, text("%.2f", row.plain),
                    text("%.2f (%.2f ×)", row.non_uniform, row.non_uniform / row.plain),
@@ -224,7 +205,7 @@ void write_scales(const Report& report, paper::Page& page) {
 
 }  // namespace
 
-void write_kinds(const Report& report, paper::Page& page) {
+void write_kinds(const Report& report, bench::Page& page) {
     page.heading(2, "Kinds");
     page.paragraph(
         "Displacement maps, line tables, direction maps and occlusion volumes beside ray casting and beside "
@@ -242,11 +223,12 @@ cli::Json kinds_json(const Report& report) {
     using cli::significant;
     cli::Json json;
     for (const Asked& row : asked()) {
-        cli::Json entry{{"figure", row.what}, {row.at_least ? "at_least" : "at_most", row.limit}};
-        entry["aim"] = row.aim ? cli::Json(*row.aim) : cli::Json();
+        const bench::Bound& bound = row.bound;
+        cli::Json entry{{"figure", row.what}, {bound.at_least ? "at_least" : "at_most", bound.limit}};
+        entry["aim"] = bound.aim ? cli::Json(*bound.aim) : cli::Json();
         const auto at = report.measured.find(row.figure);
         entry["measured"] = at != report.measured.end() ? cli::Json(significant(at->second)) : cli::Json();
-        if (at != report.measured.end()) entry["met"] = met(row, row.limit, at->second);
+        if (at != report.measured.end()) entry["met"] = bound.holds(bound.limit, at->second);
         json["asked"].push_back(entry);
     }
     for (const Row& row : report.rows) {

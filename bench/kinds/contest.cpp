@@ -1,7 +1,6 @@
 #include "bench/kinds/contest.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -77,12 +76,6 @@ Pairs shared_pairs(const paper::Lab& lab) {
         pairs.directions.emplace_back(ao.directions()[3 * i], ao.directions()[3 * i + 1],
                                       ao.directions()[3 * i + 2]);
     return pairs;
-}
-
-double seconds_of(const std::function<void()>& run) {
-    const auto start = std::chrono::steady_clock::now();
-    run();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 EmbreeContest::EmbreeContest(const EmbreeScene& scene, const paper::Receivers& receivers, const Pairs& pairs,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <span>
@@ -36,8 +35,6 @@ struct Pairs {
 };
 Pairs hemisphere_pairs(const paper::Lab& lab);
 Pairs shared_pairs(const paper::Lab& lab);
-
-double seconds_of(const std::function<void()>& run);
 
 // Embree on all pairs of receivers and a scene: any-hit queries over packets prepared beforehand. Receivers
 // come in parts of about a millisecond, and the fastest turn of each part counts: what takes long must not

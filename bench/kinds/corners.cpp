@@ -4,6 +4,7 @@
 #include <memory>
 #include <numeric>
 
+#include "bench/common/turns.hpp"
 #include "bench/kinds/contest.hpp"
 #include "bench/kinds/distance_field.hpp"
 #include "bench/kinds/occlusion_grid.hpp"
@@ -43,7 +44,7 @@ class FieldContest {
         double spent = 0;
         do {
             const double seconds =
-                seconds_of([&] { scene_.visibility(ao_, receivers_.view(), visibility_.data()); });
+                bench::seconds_of([&] { scene_.visibility(ao_, receivers_.view(), visibility_.data()); });
             seconds_ = std::min(seconds_, seconds);
             spent += seconds;
         } while (spent < kTurnSeconds);
@@ -75,7 +76,8 @@ struct PeerContest {
         visibility.clear();
         for (std::size_t part = 0; part < receivers.size(); ++part) {
             std::vector<float> values;
-            seconds[part] = std::min(seconds[part], seconds_of([&] { values = run(receivers[part]); }));
+            seconds[part] =
+                std::min(seconds[part], bench::seconds_of([&] { values = run(receivers[part]); }));
             visibility.insert(visibility.end(), values.begin(), values.end());
         }
         row.seconds = std::accumulate(seconds.begin(), seconds.end(), 0.0);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "baker/cli/runtime_scene.hpp"
+#include "bench/common/turns.hpp"
 #include "bench/kinds/contest.hpp"
 #include "bench/kinds/layouts.hpp"
 #include "bench/kinds/report.hpp"
@@ -46,7 +47,7 @@ class Crowd {
     // frame, as a receiver set; with all instances changed it computes everything from scratch.
     double frame(std::uint32_t index) {
         const std::vector<Placement> placements = layout_.placements(index);
-        return seconds_of([&] {
+        return bench::seconds_of([&] {
             scene_.set_transforms(ids_.size(), ids_.data(), &placements.front().transform[0][0],
                                   sizeof(Placement));
             if (set_.update(scene_.commit()).computed != layout_.receivers.size())
@@ -66,7 +67,7 @@ class Crowd {
         for (std::size_t i = 0; i < moves; ++i) {
             const std::size_t moved = (i * ids_.size() / moves + i) % ids_.size();
             dfield_update_stats stats{};
-            seconds.push_back(seconds_of([&] {
+            seconds.push_back(bench::seconds_of([&] {
                 scene_.set_transform(ids_[moved], &next[moved].transform[0][0]);
                 stats = set_.update(scene_.commit());
             }));
@@ -150,7 +151,7 @@ void measure_instances(paper::Lab& lab, Report& report) {
     // The crowd's figure is an error and a speed, the swarm's a speed alone.
     Layout crowd_layout{{}, {}, direction_specimen(lab, 12, 64), {}, {}};
     const std::size_t crowd_count = lab.quick() ? 9 : 100;
-    crowd_layout.name = paper::grouped(crowd_count) + " × " + bunny->name + ", rotated";
+    crowd_layout.name = bench::grouped(crowd_count) + " × " + bunny->name + ", rotated";
     crowd_layout.models = {bunny};
     crowd_layout.placements = [bounds = triangle_bounds(bunny->mesh), crowd_count](std::uint32_t frame) {
         return crowd(bounds, crowd_count, frame);
@@ -161,7 +162,7 @@ void measure_instances(paper::Lab& lab, Report& report) {
 
     Layout swarm_layout{{}, {}, direction_specimen(lab, 16, 32), {}, {}};
     const std::size_t swarm_count = lab.quick() ? 16 : 1000;
-    swarm_layout.name = paper::grouped(swarm_count) + " × " + tree->name + " and " + bunny->name + ", moving";
+    swarm_layout.name = bench::grouped(swarm_count) + " × " + tree->name + " and " + bunny->name + ", moving";
     swarm_layout.models = {tree, bunny};
     swarm_layout.placements =
         [bounds = std::vector<Bounds>{triangle_bounds(tree->mesh), triangle_bounds(bunny->mesh)},

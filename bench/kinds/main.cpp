@@ -2,8 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "bench/common/machine.hpp"
 #include "bench/kinds/report.hpp"
-#include "bench/paper/machine.hpp"
 
 int main(int argc, char** argv) {
     std::filesystem::path output, own = "models", shared = "../shared/models";
@@ -27,13 +27,13 @@ int main(int argc, char** argv) {
         dfield::paper::Lab lab(own, shared, quick);
         const dfield::kinds::Report report = dfield::kinds::measure_kinds(lab);
         if (!output.empty()) {
-            dfield::paper::Page page(output);
+            dfield::bench::Page page(output);
             dfield::kinds::write_kinds(report, page);
             page.save();
         }
-        dfield::cli::Json figures{{"processor", dfield::paper::processor_name()},
-                                  {"compiler", dfield::paper::compiler_version()},
-                                  {"embree", dfield::paper::embree_version()},
+        dfield::cli::Json figures{{"processor", dfield::bench::processor_name()},
+                                  {"compiler", dfield::bench::compiler_version()},
+                                  {"embree", dfield::bench::embree_version()},
                                   {"quick", quick}};
         figures.update(dfield::kinds::kinds_json(report));
         dfield::cli::write_json_report(json, figures);

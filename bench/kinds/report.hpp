@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "baker/cli/report.hpp"
+#include "bench/common/page.hpp"
 #include "bench/kinds/asked.hpp"
 #include "bench/paper/lab.hpp"
-#include "bench/paper/page.hpp"
 
 namespace dfield::kinds {
 
@@ -75,7 +75,7 @@ void measure_corners(paper::Lab& lab, Report& report);
 void measure_instances(paper::Lab& lab, Report& report);
 void measure_scales(paper::Lab& lab, Report& report);
 
-void write_kinds(const Report& report, paper::Page& page);
+void write_kinds(const Report& report, bench::Page& page);
 cli::Json kinds_json(const Report& report);
 
 }  // namespace dfield::kinds

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "bench/paper/page.hpp"
+#include "bench/common/page.hpp"
 #include "format/writer.hpp"
 
 namespace dfield::kinds {
@@ -18,7 +18,7 @@ Specimen maps(const paper::Lab& lab, std::uint32_t subdivision, std::uint32_t ma
     plan.maps = parameters;
     return {
         "displacement maps, " + std::to_string(bits) + " bit",
-        paper::grouped(paper_position_count(parameters)) + " × " + std::to_string(parameters.map_size) + "²",
+        bench::grouped(paper_position_count(parameters)) + " × " + std::to_string(parameters.map_size) + "²",
         plan, DFIELD_KIND_MAPS, headline};
 }
 
@@ -33,7 +33,7 @@ Specimen lines(const paper::Lab& lab, std::uint32_t lattice, LineSpace space, bo
     FieldPlan plan;
     plan.lines = parameters;
     return {kNames[static_cast<std::size_t>(space)],
-            paper::grouped(lattice_point_count(parameters.lattice)) + "²", plan, DFIELD_KIND_LINES, headline};
+            bench::grouped(lattice_point_count(parameters.lattice)) + "²", plan, DFIELD_KIND_LINES, headline};
 }
 
 Specimen directions(const paper::Lab& lab, std::uint32_t subdivision, std::uint32_t map_size, bool headline) {
@@ -43,7 +43,7 @@ Specimen directions(const paper::Lab& lab, std::uint32_t subdivision, std::uint3
     FieldPlan plan;
     plan.directions = {parameters};
     return {"direction maps",
-            paper::grouped(direction_count(parameters.subdivision)) + " × " + std::to_string(map_size) + "²",
+            bench::grouped(direction_count(parameters.subdivision)) + " × " + std::to_string(map_size) + "²",
             plan, DFIELD_KIND_DIRECTIONS, headline};
 }
 

@@ -1,11 +1,13 @@
 // One function a figure of the paper: measures, and writes its part of the page.
 #pragma once
 
+#include "bench/common/page.hpp"
 #include "bench/paper/lab.hpp"
 #include "bench/paper/measure.hpp"
-#include "bench/paper/page.hpp"
 
 namespace dfield::paper {
+
+using bench::grouped, bench::Page, bench::square, bench::Table;
 
 // A model and the same surface cut into many more triangles (midpoint subdivision), looked up in turns.
 struct Million {

@@ -4,15 +4,18 @@
 #include <thread>
 
 #include "baker/cli/report.hpp"
+#include "bench/common/machine.hpp"
 #include "bench/kinds/report.hpp"
 #include "bench/paper/figures.hpp"
-#include "bench/paper/machine.hpp"
+#include "bench/volume/chapter.hpp"
 
 namespace dfield::paper {
 namespace {
 
 struct Options {
-    std::filesystem::path output = "docs/results.md", own = "models", shared = "../shared/models";
+    std::filesystem::path output = "docs/results.md", own = "models", shared = "../shared/models",
+                          scans = "../shared/volumes";
+    std::string only;
     bool quick = false;
 };
 
@@ -42,13 +45,38 @@ void write_introduction(const Lab& lab, Page& page) {
         "each counts.");
 }
 
+void say(const char* what) {
+    std::printf("%s\n", what);
+    std::fflush(stdout);
+}
+
+void write_kinds(Lab& lab, Page& page) {
+    say("kinds");
+    kinds::write_kinds(kinds::measure_kinds(lab), page);
+}
+
+void write_volumes(const Options& options, Page& page) {
+    say("volumes");
+    volumes::Lab lab{volumes::Stock(options.scans, options.quick), page};
+    volumes::Json figures;
+    volumes::measure_pieces(lab, {}, figures);
+    volumes::write_volumes(figures, options.quick, page);
+}
+
+void run_chapter(const Options& options) {
+    Page page(options.output);
+    if (options.only == "volumes") {
+        write_volumes(options, page);
+    } else {
+        Lab lab(options.own, options.shared, options.quick);
+        write_kinds(lab, page);
+    }
+    page.save_chapter();
+}
+
 void run(const Options& options) {
     Lab lab(options.own, options.shared, options.quick);
     Page page(options.output);
-    const auto say = [](const char* what) {
-        std::printf("%s\n", what);
-        std::fflush(stdout);
-    };
     write_introduction(lab, page);
     say("limits");
     const Million million = measure_million(lab);
@@ -68,9 +96,8 @@ void run(const Options& options) {
     write_several_objects(lab, page);
     say("ablation");
     write_ablation(lab, page);
-    say("kinds");
-    const kinds::Report report = kinds::measure_kinds(lab);
-    kinds::write_kinds(report, page);
+    write_kinds(lab, page);
+    write_volumes(options, page);
     page.save();
     std::printf("%s\n", options.output.string().c_str());
 }
@@ -93,10 +120,18 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--shared", options.shared, "The paper's models; rows are left out where they are missing")
         ->capture_default_str();
+    app.add_option("--shared-volumes", options.scans,
+                   "The scans; what needs them is left out where they are missing")
+        ->capture_default_str();
+    app.add_option("--only", options.only, "This chapter alone; the page's others stay as they are")
+        ->check(CLI::IsMember({"kinds", "volumes"}));
     app.add_flag("--quick", options.quick, "For tests: own models only, small fields, few rays, one round");
     CLI11_PARSE(app, argc, argv);
     try {
-        dfield::paper::run(options);
+        if (options.only.empty())
+            dfield::paper::run(options);
+        else
+            dfield::paper::run_chapter(options);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "dfield_paper: %s\n", error.what());
         return 1;

@@ -8,7 +8,7 @@
 
 #include "baker/picture/image.hpp"
 
-namespace dfield::paper {
+namespace dfield::bench {
 
 // The first column is aligned left, the others right.
 class Table {
@@ -34,9 +34,15 @@ class Page {
     void preformatted(const std::string& text);
     void table(const Table& table);
     void picture(const std::string& name, const Image& image, const std::string& description);
+    // A link to a picture that save_picture() wrote, maybe in an earlier run.
+    void link_picture(const std::string& name, const std::string& description);
+    void save_picture(const std::string& name, const Image& image) const;
 
     // Atomic; makes the folder. Throws OutputError.
     void save() const;
+    // The page is one chapter: it takes the place of the one with the same heading in the file, whose other
+    // chapters stay as they are, or comes last. Otherwise as save().
+    void save_chapter() const;
 
   private:
     void block(const std::string& text);
@@ -48,4 +54,4 @@ class Page {
 std::string grouped(std::uint64_t value);  // 836352 -> "836,352"
 std::string square(std::uint32_t side);    // 32 -> "32 × 32"
 
-}  // namespace dfield::paper
+}  // namespace dfield::bench

@@ -1,12 +1,13 @@
-#include "bench/paper/page.hpp"
+#include "bench/common/page.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <stdexcept>
 
 #include "baker/file_io.hpp"
 #include "baker/picture/font.hpp"
 
-namespace dfield::paper {
+namespace dfield::bench {
 namespace {
 
 constexpr std::size_t kColumns = 118;
@@ -59,15 +60,44 @@ void Page::table(const Table& table) {
 }
 
 void Page::picture(const std::string& name, const Image& image, const std::string& description) {
+    save_picture(name, image);
+    link_picture(name, description);
+}
+
+void Page::save_picture(const std::string& name, const Image& image) const {
     const std::filesystem::path folder = file_.parent_path() / file_.stem();
     std::filesystem::create_directories(folder);
     write_png(folder / (name + ".png"), image);
+}
+
+void Page::link_picture(const std::string& name, const std::string& description) {
     block("![" + description + "](" + file_.stem().string() + "/" + name + ".png)\n");
 }
 
 void Page::save() const {
     if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path());
     write_file_atomic(file_, text_);
+}
+
+void Page::save_chapter() const {
+    const std::string heading = text_.substr(0, text_.find('\n') + 1);
+    const std::string marks = heading.substr(0, heading.find(' ') + 1);  // "## "
+    Page whole(file_);
+    bool found = false, skipped = false;
+    std::string before, after;
+    std::ifstream file(file_);
+    for (std::string line; std::getline(file, line);) {
+        line += '\n';
+        if (line.starts_with(marks)) {
+            skipped = line == heading;
+            found = found || skipped;
+        }
+        if (!skipped) (found ? after : before) += line;
+    }
+    while (before.ends_with("\n\n")) before.pop_back();
+    for (const std::string& part : {before, text_, after})
+        if (!part.empty()) whole.block(part);
+    whole.save();
 }
 
 std::string grouped(std::uint64_t value) {
@@ -84,4 +114,4 @@ std::string square(std::uint32_t side) {
     return std::to_string(side) + " × " + std::to_string(side);
 }
 
-}  // namespace dfield::paper
+}  // namespace dfield::bench

@@ -1,0 +1,54 @@
+// dfield_volumes: measures sweeping, whole or in pieces, as JSON and as the page's chapter.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+
+#include "bench/volume/chapter.hpp"
+
+namespace {
+
+dfield::cli::Json read_figures(const std::string& file) {
+    std::ifstream stream(file);
+    return stream ? dfield::cli::Json::parse(stream) : dfield::cli::Json::object();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::filesystem::path output = "docs/results.md", shared = "../shared/volumes";
+    std::string figures_file;
+    std::vector<std::string> wanted;
+    bool quick = false, list = false;
+    CLI::App app(
+        "Measures distance fields and occlusion by sweeping, and writes the page's chapter about them");
+    app.add_option(
+           "--output", output,
+           "The page whose chapter is written or written again; pictures go into a folder named like it")
+        ->capture_default_str();
+    app.add_option("--shared", shared, "The scans; what needs them is left out where they are missing")
+        ->capture_default_str();
+    app.add_option(
+        "--figures", figures_file,
+        "A JSON file of figures: pieces that are not measured now are taken from it, and those that are "
+        "are put into it");
+    app.add_option("--only", wanted, "The pieces to measure")->delimiter(',');
+    app.add_flag("--list", list, "The pieces' names");
+    app.add_flag("--quick", quick, "For tests: own volumes only, small, few rays");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        if (list) {
+            for (const dfield::volumes::Piece& piece : dfield::volumes::pieces()) std::puts(piece.name);
+            return 0;
+        }
+        dfield::bench::Page page(output);
+        dfield::volumes::Lab lab{dfield::volumes::Stock(shared, quick), page};
+        dfield::cli::Json figures = read_figures(figures_file);
+        dfield::volumes::measure_pieces(lab, wanted, figures);
+        if (!figures_file.empty()) dfield::cli::write_json_report(figures_file, figures);
+        dfield::volumes::write_volumes(figures, quick, page);
+        page.save_chapter();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "dfield_volumes: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,154 @@
+#include "bench/volume/studio.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+
+namespace dfield::volumes {
+namespace {
+
+// World bounds of the voxels inside.
+Bounds matter_bounds(const VolumeGrid& grid, const std::vector<float>& distance) {
+    Bounds bounds{glm::vec3(std::numeric_limits<float>::infinity()),
+                  glm::vec3(-std::numeric_limits<float>::infinity())};
+    std::size_t i = 0;
+    for (std::size_t z = 0; z < grid.size[2]; ++z)
+        for (std::size_t y = 0; y < grid.size[1]; ++y)
+            for (std::size_t x = 0; x < grid.size[0]; ++x)
+                if (std::signbit(distance[i++])) {
+                    const glm::vec3 position(grid.position(glm::dvec3(x, y, z)));
+                    bounds.min = glm::min(bounds.min, position);
+                    bounds.max = glm::max(bounds.max, position);
+                }
+    return bounds;
+}
+
+dfield_volume_points one_point(const glm::vec3& position) {
+    dfield_volume_points points{};
+    points.count = 1;
+    points.positions = &position.x;
+    return points;
+}
+
+std::uint64_t seed_of(const glm::vec3& position) {
+    std::uint64_t seed = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        seed = seed * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint32_t>(position[axis]);
+    return seed;
+}
+
+bool even_octants(const dfield_sweep_desc& desc) {
+    return desc.octants == DFIELD_ALL_OCTANTS &&
+           std::all_of(std::begin(desc.intensities), std::end(desc.intensities),
+                       [](float intensity) { return intensity == 1; });
+}
+
+}  // namespace
+
+Studio::Studio(const Subject& subject, const View& view, const Stock& stock)
+    : subject_(subject), sweeper_(subject.name, subject.volume, subject.isovalue, 0), runner_(sweeper_, 1) {
+    runner_.sweep(desc(DFIELD_FORM_COMBINED));
+    distance_ = runner_.distance();
+    options_.width = stock.pixels(view.width);
+    options_.height = stock.pixels(view.height);
+    options_.samples = stock.quick() ? 1 : 2;
+    camera_ =
+        frame_bounds(matter_bounds(subject.volume.grid, distance_), view.to_eye, view.up, view.fov_degrees,
+                     static_cast<float>(view.width) / static_cast<float>(view.height));
+}
+
+dfield_sweep_desc Studio::desc(dfield_occlusion_form form) const {
+    dfield_sweep_desc desc = sweep_defaults();
+    desc.isovalue = subject_.isovalue;
+    desc.form = form;
+    return desc;
+}
+
+IsosurfaceStyle Studio::unlit() const {
+    IsosurfaceStyle style;
+    style.local = false;
+    return style;
+}
+
+Image Studio::draw(const IsosurfaceStyle& style) const {
+    return render_isosurface({subject_.volume.grid, distance_}, camera_, style, options_);
+}
+
+glm::vec3 Studio::position(const glm::vec3& index) const {
+    const float* const spacing = sweeper_.grid().spacing;
+    return index * glm::vec3(spacing[0], spacing[1], spacing[2]);
+}
+
+Image Studio::local(const glm::vec3& light) const {
+    IsosurfaceStyle style;
+    style.light = light;
+    return draw(style);
+}
+
+Image Studio::swept(const dfield_sweep_desc& desc) {
+    runner_.sweep(desc);
+    IsosurfaceStyle style = unlit();
+    style.visibility = runner_.visibility();
+    if (desc.form == DFIELD_FORM_PAPER && even_octants(desc) && !desc.through)
+        style.visibility_at = [&](const glm::vec3& index) {
+            const glm::vec3 at = position(index);
+            return std::pow(runner_.at(desc, one_point(at))[0], 1 / desc.gamma);
+        };
+    return draw(style);
+}
+
+Image Studio::by_rays(std::uint32_t rays, float gamma) const {
+    IsosurfaceStyle style = unlit();
+    const VolumeField field = sweeper_.field(distance_.data());
+    style.visibility_at = [&](const glm::vec3& index) {
+        const glm::vec3 at = position(index);
+        float visibility = 0;
+        field.visibility_by_rays(one_point(at), rays, seed_of(at), &visibility);
+        return std::pow(visibility, 1 / gamma);
+    };
+    return draw(style);
+}
+
+Image Studio::hard_shadows(const glm::vec3& light) const {
+    IsosurfaceStyle style;
+    style.light = light;
+    style.hard_shadows = true;
+    return draw(style);
+}
+
+Image Studio::soft_shadows(const dfield_sweep_desc& desc, float gain) {
+    runner_.sweep(desc);
+    std::vector<float> share = runner_.visibility();
+    for (float& value : share) value *= gain;
+    IsosurfaceStyle style = unlit();
+    style.shadows = true;
+    style.visibility = share;
+    return draw(style);
+}
+
+Image Studio::soft_shadows_of_light(dfield_sweep_desc desc, const glm::vec3& light) {
+    const glm::vec3 turned = cli::to_sweep_frame(subject_.volume.grid, light);
+    for (int axis = 0; axis < 3; ++axis) desc.light[axis] = turned[axis];
+    runner_.sweep(desc);
+    IsosurfaceStyle style;
+    style.light = light;
+    style.shadows = true;
+    style.visibility = runner_.visibility();
+    return draw(style);
+}
+
+double picture_rms(const Image& a, const Image& b) {
+    double squares = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
+        if (a.rgb[i] == 255 && b.rgb[i] == 255) continue;
+        const double difference = static_cast<double>(a.rgb[i]) - b.rgb[i];
+        squares += difference * difference;
+        ++count;
+    }
+    return count ? std::sqrt(squares / static_cast<double>(count)) : 0;
+}
+
+}  // namespace dfield::volumes

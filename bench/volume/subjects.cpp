@@ -1,0 +1,81 @@
+#include "bench/volume/subjects.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "baker/volume/read_volume.hpp"
+
+namespace dfield::volumes {
+namespace {
+
+struct Scan {
+    const char *name, *file;
+    float isovalue;
+};
+constexpr Scan kScans[] = {{"bonsai", "bonsai_256x256x256_uint8.nrrd", 40},
+                           {"engine", "engine_256x256x128_uint8.nrrd", 100},
+                           {"head", "headsq_64x64x93_int16.nrrd", 700},
+                           {"nucleon", "nucleon.nrrd", 100}};
+
+VolumeGrid grid_of(const models::ScalarVolume& values) {
+    VolumeGrid grid;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
+        grid.size[i] = values.dims[i];
+        grid.directions[axis][axis] = values.spacing[i];
+    }
+    return grid;
+}
+
+}  // namespace
+
+Subject as_floats(std::string name, const models::ScalarVolume& values) {
+    Subject subject{std::move(name), {grid_of(values), VoxelType::kF32, {}}, 0};
+    subject.volume.data.resize(values.values.size() * sizeof(float));
+    std::memcpy(subject.volume.data.data(), values.values.data(), subject.volume.data.size());
+    return subject;
+}
+
+Subject as_bytes(std::string name, const models::ScalarVolume& values, double scale) {
+    constexpr double kMiddle = 127.5;
+    Subject subject{std::move(name), {grid_of(values), VoxelType::kU8, {}}, static_cast<float>(kMiddle)};
+    subject.volume.data.reserve(values.values.size());
+    for (const float value : values.values)
+        subject.volume.data.push_back(
+            static_cast<std::byte>(std::clamp(kMiddle + scale * value + 0.5, 0.0, 255.0)));
+    return subject;
+}
+
+Subject timed_subject(models::Dims dims) {
+    return as_bytes("gyroid", models::gyroid_volume(dims, kGyroidPeriods), 80);
+}
+
+Subject timed_subject(std::uint32_t size) {
+    return timed_subject(models::Dims{size, size, size});
+}
+
+const Subject* Stock::shared(const std::string& name) {
+    const auto at = loaded_.find(name);
+    if (at != loaded_.end()) return &at->second;
+    for (const Scan& scan : kScans) {
+        if (name != scan.name) continue;
+        const std::filesystem::path file = shared_ / scan.file;
+        if (quick_ || !std::filesystem::exists(file)) return nullptr;
+        return &loaded_.emplace(name, Subject{name, read_volume(file), scan.isovalue}).first->second;
+    }
+    throw std::logic_error("no scan is named " + name);
+}
+
+std::span<const char* const> Stock::shared_names() {
+    static constexpr auto kNames = [] {
+        std::array<const char*, std::size(kScans)> names{};
+        for (std::size_t i = 0; i < names.size(); ++i) names[i] = kScans[i].name;
+        return names;
+    }();
+    return kNames;
+}
+
+}  // namespace dfield::volumes
