@@ -152,13 +152,13 @@ ScalarVolume floor_volume(Dims dims) {
     });
 }
 
-ScalarVolume vessels_volume(Dims dims, std::uint64_t seed) {
+ScalarVolume vessels_volume(Dims dims, std::uint64_t seed, int roots) {
     const glm::dvec3 extent = extent_of(dims);
     const double size = std::min({extent.x, extent.y, extent.z});
     Sequence random(seed);
     std::vector<Tube> tubes;
-    constexpr int kRoots = 5, kGenerations = 6;
-    for (int root = 0; root < kRoots; ++root)
+    constexpr int kGenerations = 6;
+    for (int root = 0; root < roots; ++root)
         grow(tubes, random, {0, random.uniform(0.15, 0.85) * extent.y, random.uniform(0.15, 0.85) * extent.z},
              {1, 0, 0}, std::max(1.2, 0.02 * size), 0.28 * size, kGenerations);
 

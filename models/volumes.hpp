@@ -43,8 +43,8 @@ ScalarVolume gyroid_volume(Dims dims, double periods);
 ScalarVolume floor_volume(Dims dims);
 
 // Branching tubes that grow from the x = 0 face through the volume, in voxel distances cut off at +-4: thin
-// and sparse as capillaries are, some per cent of the voxels inside.
-ScalarVolume vessels_volume(Dims dims, std::uint64_t seed);
+// and sparse as capillaries are, half a per cent of the voxels inside at 256 cubed for five roots.
+ScalarVolume vessels_volume(Dims dims, std::uint64_t seed, int roots = 5);
 
 // A cumulus: a heap of spheres roughened by fractal noise, with a flat base at a quarter of the height.
 ScalarVolume clouds_volume(Dims dims, std::uint64_t seed);

@@ -10,6 +10,9 @@ namespace {
 
 using cli::text;
 
+constexpr std::uint32_t kAir = 4;  // around the floor, voxels
+constexpr int kRoots = 30;         // of the vessels
+
 // V G / pi of an octant that is open, on a surface that faces it: G = sqrt(3) pi / 4.
 const float kOctantGain = 4 / std::sqrt(3.0f);
 
@@ -27,8 +30,9 @@ glm::vec3 diagonal(unsigned octant) {
 
 Json draw_figure8(Lab& lab) {
     const std::uint32_t n = lab.stock.size(100);
-    const Subject subject = as_floats("floor", models::floor_volume({n, n, n}));
-    Studio studio(subject, {{0.1f, -1, 0.9f}, {0, 0, 1}, 360, 320}, lab.stock);
+    const std::uint32_t matter = n - 2 * kAir;
+    const Subject subject = padded(as_floats("floor", models::floor_volume({matter, matter, matter})), kAir);
+    Studio studio(subject, {{0.1f, -1, 0.9f}, {0, 0, 1}, 360, 270}, lab.stock);
     constexpr unsigned kOctant = 4;  // from the left, the front and above
     const glm::vec3 low(0.9f, -0.35f, 0.55f);
     const std::array<Image, 2> above{
@@ -36,10 +40,10 @@ Json draw_figure8(Lab& lab) {
         studio.soft_shadows(only(studio.desc(DFIELD_FORM_PAPER), kOctant), kOctantGain)};
     const std::array<Image, 2> below{studio.hard_shadows(low),
                                      studio.soft_shadows_of_light(studio.desc(DFIELD_FORM_IMPROVED), low)};
-    const std::array<std::string, 2> above_names{"ray traced shadows, light along octant 4's diagonal",
-                                                 "low-frequency shadows, octant 4 alone"};
-    const std::array<std::string, 2> below_names{"ray traced shadows, a light elsewhere",
-                                                 "low-frequency shadows, grid turned to it, improved form"};
+    const std::array<std::string, 2> above_names{"hard shadows, light along octant 4's diagonal",
+                                                 "octant 4 alone, paper's form"};
+    const std::array<std::string, 2> below_names{"hard shadows, light elsewhere",
+                                                 "grid turned to it, improved form"};
     const std::array<Image, 2> rows{image_row(above, above_names), image_row(below, below_names)};
     lab.page.save_picture("volume_figure8", image_column(rows));
     return {{"size", n}};
@@ -58,13 +62,13 @@ void write_figure8(const Json& all, bench::Page& page) {
 
 Json draw_figure9(Lab& lab) {
     const std::uint32_t n = lab.stock.size(256);
-    const Subject subject = as_floats("vessels", models::vessels_volume({n, n, n}, 1));
+    const Subject subject = as_floats("vessels", models::vessels_volume({n, n, n}, 1, kRoots));
     Studio studio(subject, {{0.25f, -1, 0.35f}, {0, 0, 1}, 360, 360}, lab.stock);
     constexpr unsigned kOctant = 4;
     const std::array<Image, 2> images{
         studio.hard_shadows(diagonal(kOctant)),
         studio.soft_shadows(only(studio.desc(DFIELD_FORM_PAPER), kOctant), kOctantGain)};
-    const std::array<std::string, 2> names{"ray traced shadows", "low-frequency shadows, octant 4"};
+    const std::array<std::string, 2> names{"hard shadows", "octant 4 alone, paper's form"};
     lab.page.save_picture("volume_figure9", image_row(images, names));
     return {{"size", n}};
 }
@@ -79,29 +83,31 @@ void write_figure9(const Json& all, bench::Page& page) {
 }
 
 Json draw_figure10(Lab& lab) {
-    const Subject* head = lab.stock.shared("nucleon");
-    if (!head) return Json::object();
-    Studio studio(*head, {{0.6f, -1, 0.5f}, {0, 0, 1}, 270, 270}, lab.stock);
+    const Subject* bonsai = lab.stock.shared("bonsai");
+    if (!bonsai) return Json::object();
+    const Subject subject = padded(*bonsai, 2);
+    Studio studio(subject, {{0.3f, -1, 0.35f}, {0, 0, 1}, 270, 270}, lab.stock);
     std::vector<Image> images;
     std::vector<std::string> names;
-    for (const float alpha : {1.0f, 0.6f, 0.3f, 0.1f}) {
+    for (const float alpha : {1.0f, 0.5f, 0.2f, 0.05f}) {
         dfield_sweep_desc desc = studio.desc(DFIELD_FORM_PAPER);
         desc.alpha = alpha;
         desc.through = 1;
+        desc.gamma = kGamma;
         images.push_back(studio.swept(desc));
-        names.push_back(text("alpha %.1f", static_cast<double>(alpha)));
+        names.push_back(text("alpha %.2f", static_cast<double>(alpha)));
     }
     lab.page.save_picture("volume_figure10", image_row(images, names));
-    return {{"isovalue", head->isovalue}};
+    return {{"isovalue", bonsai->isovalue}};
 }
 
 void write_figure10(const Json& all, bench::Page& page) {
     const Json& figures = all["figure10"];
     page.heading(3, "Figure 10: subsurface scattering");
-    if (figures.empty()) return page.paragraph("**The nucleon was not there: figure 10 is left out.**");
+    if (figures.empty()) return page.paragraph("**The bonsai was not there: figure 10 is left out.**");
     page.link_picture("volume_figure10", "Light that shines through, by opacity");
     page.paragraph(
-        text("The nucleon, isovalue %g, paper's form with equation 8 and |N·ω|. The less opaque the "
+        text("The bonsai, isovalue %g, paper's form with equation 8 and |N·ω|. The less opaque the "
              "matter, the brighter its thin parts.",
              figures["isovalue"].get<double>()));
 }

@@ -4,10 +4,18 @@
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/ext/vector_uint3_sized.hpp>
 #include <limits>
 
 namespace dfield::volumes {
 namespace {
+
+// Neither black nor white, so that what is open and what is hidden stand out both.
+constexpr glm::u8vec3 kBackground{77, 97, 122};
+
+bool is_background(const std::uint8_t* rgb) {
+    return rgb[0] == kBackground.r && rgb[1] == kBackground.g && rgb[2] == kBackground.b;
+}
 
 // World bounds of the voxels inside.
 Bounds matter_bounds(const VolumeGrid& grid, const std::vector<float>& distance) {
@@ -54,6 +62,7 @@ Studio::Studio(const Subject& subject, const View& view, const Stock& stock)
     options_.width = stock.pixels(view.width);
     options_.height = stock.pixels(view.height);
     options_.samples = stock.quick() ? 1 : 2;
+    options_.background = glm::vec3(kBackground) / 255.0f;
     camera_ =
         frame_bounds(matter_bounds(subject.volume.grid, distance_), view.to_eye, view.up, view.fov_degrees,
                      static_cast<float>(view.width) / static_cast<float>(view.height));
@@ -142,13 +151,21 @@ Image Studio::soft_shadows_of_light(dfield_sweep_desc desc, const glm::vec3& lig
 double picture_rms(const Image& a, const Image& b) {
     double squares = 0;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
-        if (a.rgb[i] == 255 && b.rgb[i] == 255) continue;
-        const double difference = static_cast<double>(a.rgb[i]) - b.rgb[i];
-        squares += difference * difference;
-        ++count;
-    }
+    for (std::size_t i = 0; i < a.rgb.size(); i += 3)
+        if (!is_background(&a.rgb[i]) || !is_background(&b.rgb[i])) {
+            const double difference = static_cast<double>(a.rgb[i]) - b.rgb[i];
+            squares += difference * difference;
+            ++count;
+        }
     return count ? std::sqrt(squares / static_cast<double>(count)) : 0;
+}
+
+double picture_mean(const Image& image) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3)
+        if (!is_background(&image.rgb[i])) sum += image.rgb[i], ++count;
+    return count ? sum / static_cast<double>(count) : 0;
 }
 
 }  // namespace dfield::volumes

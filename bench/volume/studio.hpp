@@ -50,7 +50,11 @@ class Studio {
     std::vector<float> distance_;
 };
 
-// RMS of two pictures' differences in grey levels, over the pixels that are not white in both.
+// Of grey levels over the pixels that show more than the background: RMS of two pictures' differences, and a
+// picture's mean.
 double picture_rms(const Image& a, const Image& b);
+double picture_mean(const Image& image);
+
+inline constexpr float kGamma = 2;  // of all corrected pictures, as in the paper
 
 }  // namespace dfield::volumes

@@ -49,6 +49,28 @@ Subject as_bytes(std::string name, const models::ScalarVolume& values, double sc
     return subject;
 }
 
+Subject padded(const Subject& subject, std::size_t voxels) {
+    const Volume& from = subject.volume;
+    Subject result{subject.name, {from.grid, from.type, {}}, subject.isovalue};
+    Volume& to = result.volume;
+    for (std::size_t& size : to.grid.size) size += 2 * voxels;
+    to.data.resize(to.grid.voxels() * size_of(to.type));
+    visit_type(to.type, [&](auto voxel) {
+        using T = decltype(voxel);
+        const std::span<const T> source = from.voxels<T>();
+        const std::span<T> target = to.voxels<T>();
+        std::fill(target.begin(), target.end(), static_cast<T>(value_range(from).min));
+        const auto [nx, ny, nz] = from.grid.size;
+        for (std::size_t row = 0; row < ny * nz; ++row) {
+            const std::size_t y = row % ny + voxels, z = row / ny + voxels;
+            std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(row * nx), nx,
+                        target.begin() + static_cast<std::ptrdiff_t>(voxels + to.grid.size[0] *
+                                                                                  (y + to.grid.size[1] * z)));
+        }
+    });
+    return result;
+}
+
 Subject timed_subject(models::Dims dims) {
     return as_bytes("gyroid", models::gyroid_volume(dims, kGyroidPeriods), 80);
 }

@@ -22,6 +22,8 @@ struct Subject {
 Subject as_floats(std::string name, const models::ScalarVolume& values);
 // Bytes, as scanners give them: 127.5 + scale * value, rounded and cut off; the isovalue is 127.5.
 Subject as_bytes(std::string name, const models::ScalarVolume& values, double scale);
+// With air around it, which is the least value: where matter reaches the border it gets a surface.
+Subject padded(const Subject& subject, std::size_t voxels);
 // What times are measured on: a gyroid of bytes, six periods.
 Subject timed_subject(models::Dims dims);
 Subject timed_subject(std::uint32_t size);
