@@ -11,23 +11,15 @@ namespace dfield::volumes {
 namespace {
 
 constexpr Piece kPieces[] = {
-    {"distance", measure_distance, write_distance},
-    {"table2", measure_table2, write_table2},
-    {"table2_large", measure_table2_large, nullptr},
-    {"bonsai", measure_bonsai, write_bonsai},
-    {"scale", measure_scale, write_scale},
-    {"threads", measure_threads, write_threads},
-    {"memory", measure_memory, write_memory},
-    {"accuracy", measure_accuracy, write_accuracy},
-    {"accuracy_of_scans", measure_accuracy_of_scans, nullptr},
-    {"sphere", measure_sphere, write_sphere},
-    {"figure3", draw_figure3, write_figure3},
-    {"figure4", draw_figure4, write_figure4},
-    {"figure5", draw_figure5, write_figure5},
-    {"figure6", draw_figure6, write_figure6},
-    {"figure7", draw_figure7, write_figure7},
-    {"figure8", draw_figure8, write_figure8},
-    {"figure9", draw_figure9, write_figure9},
+    {"distance", measure_distance, write_distance}, {"table2", measure_table2, write_table2},
+    {"table2_384", measure_table2_384, nullptr},    {"table2_512", measure_table2_512, nullptr},
+    {"bonsai", measure_bonsai, write_bonsai},       {"scale", measure_scale, write_scale},
+    {"threads", measure_threads, write_threads},    {"memory", measure_memory, write_memory},
+    {"accuracy", measure_accuracy, write_accuracy}, {"accuracy_of_scans", measure_accuracy_of_scans, nullptr},
+    {"sphere", measure_sphere, write_sphere},       {"figure3", draw_figure3, write_figure3},
+    {"figure4", draw_figure4, write_figure4},       {"figure5", draw_figure5, write_figure5},
+    {"figure6", draw_figure6, write_figure6},       {"figure7", draw_figure7, write_figure7},
+    {"figure8", draw_figure8, write_figure8},       {"figure9", draw_figure9, write_figure9},
     {"figure10", draw_figure10, write_figure10},
 };
 

@@ -10,7 +10,6 @@ namespace {
 
 using cli::text;
 
-constexpr std::uint32_t kAir = 4;     // around the floor, voxels
 constexpr std::uint32_t kRays = 128;  // a sample; a pixel has four
 
 dfield_sweep_desc with_gamma(dfield_sweep_desc desc) {
@@ -26,8 +25,7 @@ std::uint32_t rays(const Lab& lab) {
 
 Json draw_figure3(Lab& lab) {
     const std::uint32_t n = lab.stock.size(100);
-    const std::uint32_t matter = n - 2 * kAir;
-    const Subject subject = padded(as_floats("floor", models::floor_volume({matter, matter, matter})), kAir);
+    const Subject subject = slab_with_boxes(n);
     Studio studio(subject, {{0.45f, -1, 0.75f}, {0, 0, 1}, 270, 200}, lab.stock);
     const dfield_sweep_desc paper = studio.desc(DFIELD_FORM_PAPER),
                             improved = studio.desc(DFIELD_FORM_IMPROVED);

@@ -10,8 +10,6 @@ namespace {
 
 using cli::text;
 
-constexpr std::size_t kAir = 2;  // around the bonsai, which the scan cuts
-constexpr int kRoots = 30;
 constexpr std::uint32_t kUpperOctants = 0xf0;  // those with directions of positive z
 
 dfield_sweep_desc with_gamma(dfield_sweep_desc desc) {
@@ -23,8 +21,7 @@ dfield_sweep_desc with_gamma(dfield_sweep_desc desc) {
 
 Json draw_figure5(Lab& lab) {
     const std::uint32_t n = lab.stock.size(256);
-    const models::ScalarVolume values = models::vessels_volume({n, n, n}, 1, kRoots);
-    const Subject subject = as_floats("vessels", values);
+    const Subject subject = tangled_vessels(n);
     Studio studio(subject, {{0.25f, -1, 0.35f}, {0, 0, 1}, 360, 360}, lab.stock);
     const std::array<Image, 3> images{studio.local(),
                                       studio.swept(with_gamma(studio.desc(DFIELD_FORM_PAPER))),
@@ -33,10 +30,10 @@ Json draw_figure5(Lab& lab) {
                                            "improved form, gamma 2"};
     lab.page.save_picture("volume_figure5", image_row(images, names));
     std::size_t inside = 0;
-    for (const float value : values.values) inside += value >= 0;
-    return {
-        {"size", n},
-        {"inside_percent", 100 * static_cast<double>(inside) / static_cast<double>(values.values.size())}};
+    for (const float value : subject.volume.voxels<float>()) inside += value >= 0;
+    return {{"size", n},
+            {"inside_percent",
+             100 * static_cast<double>(inside) / static_cast<double>(subject.volume.grid.voxels())}};
 }
 
 void write_figure5(const Json& all, bench::Page& page) {
@@ -102,7 +99,7 @@ void write_figure7(const Json& all, bench::Page& page) {
     page.link_picture("volume_figure7", "The bonsai lit by all octants and by the upper four");
     page.paragraph(
         text("The bonsai, isovalue %g, paper's form. With the upper four octants light comes from above "
-             "alone: what faces down is dark, and the pot stands in the shade of the crown.",
+             "alone: what faces sideways gets half of it, what faces down none.",
              figures["isovalue"].get<double>()));
 }
 

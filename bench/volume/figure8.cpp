@@ -10,9 +10,6 @@ namespace {
 
 using cli::text;
 
-constexpr std::uint32_t kAir = 4;  // around the floor, voxels
-constexpr int kRoots = 30;         // of the vessels
-
 // V G / pi of an octant that is open, on a surface that faces it: G = sqrt(3) pi / 4.
 const float kOctantGain = 4 / std::sqrt(3.0f);
 
@@ -30,8 +27,7 @@ glm::vec3 diagonal(unsigned octant) {
 
 Json draw_figure8(Lab& lab) {
     const std::uint32_t n = lab.stock.size(100);
-    const std::uint32_t matter = n - 2 * kAir;
-    const Subject subject = padded(as_floats("floor", models::floor_volume({matter, matter, matter})), kAir);
+    const Subject subject = slab_with_boxes(n);
     Studio studio(subject, {{0.1f, -1, 0.9f}, {0, 0, 1}, 360, 270}, lab.stock);
     constexpr unsigned kOctant = 4;  // from the left, the front and above
     const glm::vec3 low(0.9f, -0.35f, 0.55f);
@@ -62,7 +58,7 @@ void write_figure8(const Json& all, bench::Page& page) {
 
 Json draw_figure9(Lab& lab) {
     const std::uint32_t n = lab.stock.size(256);
-    const Subject subject = as_floats("vessels", models::vessels_volume({n, n, n}, 1, kRoots));
+    const Subject subject = tangled_vessels(n);
     Studio studio(subject, {{0.25f, -1, 0.35f}, {0, 0, 1}, 360, 360}, lab.stock);
     constexpr unsigned kOctant = 4;
     const std::array<Image, 2> images{
@@ -85,11 +81,11 @@ void write_figure9(const Json& all, bench::Page& page) {
 Json draw_figure10(Lab& lab) {
     const Subject* bonsai = lab.stock.shared("bonsai");
     if (!bonsai) return Json::object();
-    const Subject subject = padded(*bonsai, 2);
+    const Subject subject = padded(*bonsai, kAir);
     Studio studio(subject, {{0.3f, -1, 0.35f}, {0, 0, 1}, 270, 270}, lab.stock);
     std::vector<Image> images;
     std::vector<std::string> names;
-    for (const float alpha : {1.0f, 0.5f, 0.2f, 0.05f}) {
+    for (const float alpha : {1.0f, 0.3f, 0.1f, 0.03f}) {
         dfield_sweep_desc desc = studio.desc(DFIELD_FORM_PAPER);
         desc.alpha = alpha;
         desc.through = 1;
@@ -108,7 +104,7 @@ void write_figure10(const Json& all, bench::Page& page) {
     page.link_picture("volume_figure10", "Light that shines through, by opacity");
     page.paragraph(
         text("The bonsai, isovalue %g, paper's form with equation 8 and |N·ω|. The less opaque the "
-             "matter, the brighter its thin parts.",
+             "matter, the brighter its thin parts: the leaves long before the pot.",
              figures["isovalue"].get<double>()));
 }
 

@@ -28,7 +28,8 @@ std::span<const Piece> pieces();
 
 Json measure_distance(Lab& lab);
 Json measure_table2(Lab& lab);
-Json measure_table2_large(Lab& lab);
+Json measure_table2_384(Lab& lab);
+Json measure_table2_512(Lab& lab);
 Json measure_bonsai(Lab& lab);
 Json measure_scale(Lab& lab);
 Json measure_threads(Lab& lab);

@@ -71,6 +71,17 @@ Subject padded(const Subject& subject, std::size_t voxels) {
     return result;
 }
 
+Subject slab_with_boxes(std::uint32_t size) {
+    const std::uint32_t n = size - 2 * kAir;
+    return padded(as_floats("floor with boxes", models::floor_volume({n, n, n})), kAir);
+}
+
+Subject tangled_vessels(std::uint32_t size) {
+    constexpr int kRoots = 30;
+    const std::uint32_t n = size - 2 * kAir;
+    return padded(as_floats("vessels", models::vessels_volume({n, n, n}, 1, kRoots)), kAir);
+}
+
 Subject timed_subject(models::Dims dims) {
     return as_bytes("gyroid", models::gyroid_volume(dims, kGyroidPeriods), 80);
 }

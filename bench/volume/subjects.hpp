@@ -24,6 +24,11 @@ Subject as_floats(std::string name, const models::ScalarVolume& values);
 Subject as_bytes(std::string name, const models::ScalarVolume& values, double scale);
 // With air around it, which is the least value: where matter reaches the border it gets a surface.
 Subject padded(const Subject& subject, std::size_t voxels);
+// The pictures' scenes, `size` voxels along each side, with air around them: the floor with boxes as a slab
+// of its own, and a dense tangle of vessels.
+inline constexpr std::uint32_t kAir = 4;
+Subject slab_with_boxes(std::uint32_t size);
+Subject tangled_vessels(std::uint32_t size);
 // What times are measured on: a gyroid of bytes, six periods.
 Subject timed_subject(models::Dims dims);
 Subject timed_subject(std::uint32_t size);

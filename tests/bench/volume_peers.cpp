@@ -1,4 +1,5 @@
 // The peer of distance fields, and what the chapters are written with.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -28,8 +29,23 @@ TEST_CASE("Bytes of a volume keep their isosurface", "[bench]") {
     const volumes::Subject bytes = volumes::as_bytes("sphere", values, 20);
     for (std::size_t i = 0; i < values.values.size(); ++i)
         if (std::abs(values.values[i]) > 0.05)
-            CHECK((std::to_integer<float>(bytes.volume.data[i]) >= bytes.isovalue) ==
-                  (values.values[i] >= 0));
+            CHECK((static_cast<float>(bytes.volume.data[i]) >= bytes.isovalue) == (values.values[i] >= 0));
+}
+
+TEST_CASE("Air around a volume", "[bench]") {
+    const volumes::Subject matter =
+        volumes::as_floats("slab", models::slab_volume({3, 4, 5}, {1, 1, 1}, {0, 0, 1}, 9));
+    const volumes::Subject subject = volumes::padded(matter, 2);
+    REQUIRE(subject.volume.grid.size == std::array<std::size_t, 3>{7, 8, 9});
+    const auto inner = matter.volume.voxels<float>(), all = subject.volume.voxels<float>();
+    const float air = *std::min_element(inner.begin(), inner.end());
+    std::size_t i = 0;
+    for (std::size_t z = 0; z < 9; ++z)
+        for (std::size_t y = 0; y < 8; ++y)
+            for (std::size_t x = 0; x < 7; ++x, ++i) {
+                const bool within = x >= 2 && x < 5 && y >= 2 && y < 6 && z >= 2 && z < 7;
+                CHECK(all[i] == (within ? inner[x - 2 + 3 * (y - 2 + 4 * (z - 2))] : air));
+            }
 }
 
 TEST_CASE("Asked against measured: limits, aims and what is missing", "[bench]") {

@@ -76,6 +76,44 @@ TransferFunction constant(float opacity, const glm::vec3& rgb = glm::vec3(1)) {
 
 }  // namespace
 
+TEST_CASE("shadows: hard ones where the light is hidden, soft ones over the ambient part") {
+    // A ball of radius 6 over a floor, seen from above at an angle; the light stands in the zenith.
+    const VolumeGrid grid = grid_of({64, 64, 48});
+    const glm::dvec3 ball(0, 0, 4);
+    const auto distance =
+        sampled(grid, [&](const glm::dvec3& p) { return std::min(p.z + 12, glm::length(p - ball) - 6); });
+    const Camera camera{{0, -100, 60}, {0, 0, -12}, {0, 0, 1}, 20};
+    IsosurfaceStyle style;
+    style.ambient = 0.2f;
+    style.light = {0, 0, 1};
+    const auto grey_at = [&](const glm::vec3& point) {
+        // The pixel that shows a point: the camera looks along its target.
+        const RenderOptions options = small();
+        const glm::vec3 forward = glm::normalize(camera.target - camera.eye), right(1, 0, 0),
+                        up = glm::cross(right, forward), to = point - camera.eye;
+        const float scale =
+            0.5f * static_cast<float>(options.height) / std::tan(glm::radians(10.0f)) / glm::dot(to, forward);
+        const Image image = render_isosurface({grid, distance}, camera, style, options);
+        const auto x = static_cast<std::uint32_t>(0.5f * static_cast<float>(options.width) +
+                                                  scale * glm::dot(to, right));
+        const auto y =
+            static_cast<std::uint32_t>(0.5f * static_cast<float>(options.height) - scale * glm::dot(to, up));
+        return int{*image.at(x, y)};
+    };
+    const glm::vec3 below(0, -3, -12), beside(12, -3, -12);
+    CHECK(grey_at(below) == Approx(255).margin(2));
+    style.hard_shadows = true;
+    CHECK(grey_at(below) == Approx(51).margin(2));
+    CHECK(grey_at(beside) == Approx(255).margin(2));
+    style.hard_shadows = false;
+    style.shadows = true;
+    style.visibility_at = [&](const glm::vec3& index) { return index.x > 36 ? 0.5f : 0.0f; };
+    CHECK(grey_at(below) == Approx(51).margin(2));
+    CHECK(grey_at(beside) == Approx(255 * (0.2 + 0.8 * 0.5)).margin(2));
+    style.shadows = false;
+    CHECK(grey_at(beside) == Approx(255 * 0.5).margin(2));
+}
+
 TEST_CASE("a sphere's silhouette is the cone that touches it") {
     for (const VolumeGrid& grid : {grid_of({48, 48, 48}), skewed_grid()}) {
         const std::vector<float> distance = sphere(grid);
