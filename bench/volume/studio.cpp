@@ -1,11 +1,12 @@
 #include "bench/volume/studio.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/ext/vector_uint3_sized.hpp>
 #include <limits>
+#include <mutex>
+#include <tuple>
 
 namespace dfield::volumes {
 namespace {
@@ -33,18 +34,8 @@ Bounds matter_bounds(const VolumeGrid& grid, const std::vector<float>& distance)
     return bounds;
 }
 
-dfield_volume_points one_point(const glm::vec3& position) {
-    dfield_volume_points points{};
-    points.count = 1;
-    points.positions = &position.x;
-    return points;
-}
-
-std::uint64_t seed_of(const glm::vec3& position) {
-    std::uint64_t seed = 0;
-    for (int axis = 0; axis < 3; ++axis)
-        seed = seed * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint32_t>(position[axis]);
-    return seed;
+bool comes_before(const glm::vec3& a, const glm::vec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
 bool even_octants(const dfield_sweep_desc& desc) {
@@ -85,9 +76,35 @@ Image Studio::draw(const IsosurfaceStyle& style) const {
     return render_isosurface({subject_.volume.grid, distance_}, camera_, style, options_);
 }
 
-glm::vec3 Studio::position(const glm::vec3& index) const {
-    const float* const spacing = sweeper_.grid().spacing;
-    return index * glm::vec3(spacing[0], spacing[1], spacing[2]);
+dfield_volume_points Studio::points() {
+    if (indices_.empty()) {
+        // A first picture, for the points that it asks of, in any order.
+        std::mutex mutex;
+        IsosurfaceStyle style = unlit();
+        style.visibility_at = [&](const glm::vec3& index) {
+            const std::lock_guard<std::mutex> lock(mutex);
+            indices_.push_back(index);
+            return 1.0f;
+        };
+        draw(style);
+        std::sort(indices_.begin(), indices_.end(), comes_before);
+        const float* const spacing = sweeper_.grid().spacing;
+        for (const glm::vec3& index : indices_)
+            positions_.push_back(index * glm::vec3(spacing[0], spacing[1], spacing[2]));
+    }
+    dfield_volume_points points{};
+    points.count = positions_.size();
+    points.positions = &positions_.front().x;
+    return points;
+}
+
+Image Studio::draw_points(const std::vector<float>& values, float gamma) const {
+    IsosurfaceStyle style = unlit();
+    style.visibility_at = [&](const glm::vec3& index) {
+        const auto at = std::lower_bound(indices_.begin(), indices_.end(), index, comes_before);
+        return std::pow(values[static_cast<std::size_t>(at - indices_.begin())], 1 / gamma);
+    };
+    return draw(style);
 }
 
 Image Studio::local(const glm::vec3& light) const {
@@ -101,23 +118,17 @@ Image Studio::swept(const dfield_sweep_desc& desc) {
     IsosurfaceStyle style = unlit();
     style.visibility = runner_.visibility();
     if (desc.form == DFIELD_FORM_PAPER && even_octants(desc) && !desc.through)
-        style.visibility_at = [&](const glm::vec3& index) {
-            const glm::vec3 at = position(index);
-            return std::pow(runner_.at(desc, one_point(at))[0], 1 / desc.gamma);
-        };
+        return draw_points(runner_.at(desc, points()), desc.gamma);
     return draw(style);
 }
 
-Image Studio::by_rays(std::uint32_t rays, float gamma) const {
-    IsosurfaceStyle style = unlit();
-    const VolumeField field = sweeper_.field(distance_.data());
-    style.visibility_at = [&](const glm::vec3& index) {
-        const glm::vec3 at = position(index);
-        float visibility = 0;
-        field.visibility_by_rays(one_point(at), rays, seed_of(at), &visibility);
-        return std::pow(visibility, 1 / gamma);
-    };
-    return draw(style);
+Image Studio::by_rays(std::uint32_t rays, float gamma) {
+    if (truth_.empty()) {
+        const dfield_volume_points where = points();
+        truth_.resize(where.count);
+        sweeper_.field(distance_.data()).visibility_by_rays(where, rays, 0, truth_.data());
+    }
+    return draw_points(truth_, gamma);
 }
 
 Image Studio::hard_shadows(const glm::vec3& light) const {

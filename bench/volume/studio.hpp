@@ -28,8 +28,8 @@ class Studio {
     // Visibility and nothing else. The paper's form is evaluated at every pixel, with its own normal, as the
     // paper's ray marcher does, unless light shines through or octants differ; the others from their volumes.
     Image swept(const dfield_sweep_desc& desc);
-    // The reference, cast for every pixel.
-    Image by_rays(std::uint32_t rays, float gamma) const;
+    // The reference, cast for every pixel, once: later calls change the gamma only.
+    Image by_rays(std::uint32_t rays, float gamma);
     // Local shading of a light, without what lies in its shadow: rays are marched towards it.
     Image hard_shadows(const glm::vec3& light) const;
     // The share of the light that `desc` leaves, over the same ambient part. `gain`: of what is brightest.
@@ -40,14 +40,18 @@ class Studio {
   private:
     IsosurfaceStyle unlit() const;
     Image draw(const IsosurfaceStyle& style) const;
-    glm::vec3 position(const glm::vec3& index) const;  // in the frame that the runtime sweeps in
+    // All points of the surface that the camera sees, in the frame that the runtime sweeps in, and a picture
+    // of their values.
+    dfield_volume_points points();
+    Image draw_points(const std::vector<float>& values, float gamma) const;
 
     const Subject& subject_;
     cli::VolumeSweeper sweeper_;
     cli::FormRunner runner_;
     Camera camera_;
     RenderOptions options_;
-    std::vector<float> distance_;
+    std::vector<float> distance_, truth_;
+    std::vector<glm::vec3> indices_, positions_;  // of points(): in voxels, in order, and in the frame
 };
 
 // Of grey levels over the pixels that show more than the background: RMS of two pictures' differences, and a
