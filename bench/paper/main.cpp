@@ -25,8 +25,8 @@ void write_introduction(const Lab& lab, Page& page) {
         "The tables and pictures of Gaitatzes, Chrysanthou and Papaioannou, \"Presampled Visibility for "
         "Ambient Occlusion\" (Journal of WSCG, 2008), measured with this implementation, and what this "
         "project asks of itself. Measured on " +
-        processor_name() + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores; " +
-        compiler_version() + "; Embree " + embree_version() +
+        bench::processor_name() + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores; " +
+        bench::compiler_version() + "; Embree " + bench::embree_version() +
         ". This page and its pictures are written by one command:");
     page.preformatted("scripts/results");
     if (lab.quick())
