@@ -44,7 +44,7 @@ endfunction()
 require_between(0 10 table2 rows 0 seconds distance)
 require_between(0.05 0.6 accuracy floor forms paper rms)
 require_between(0 0.15 accuracy floor forms improved rms)
-require_between(0 0.2 sphere rms)
+require_between(0 0.5 sphere rms) # of a radius of four voxels, its middle included
 require_between(12 100 memory octants_bytes_a_voxel)
 
 execute_process(COMMAND ${PROGRAM} --quick --output ${FOLDER}/page.md --only nonsense RESULT_VARIABLE result
