@@ -90,7 +90,7 @@ TEST_CASE("info shows what was baked") {
         INFO(key);
         CHECK(json.at(key) == baked.at(key));
     }
-    CHECK(json.at("version") == "1.1");
+    CHECK(json.at("version") == "1.2");
     CHECK(json.at("self_vertices") == 0);
     // The cube of side 1 around the origin: its smallest ball has half the space diagonal as radius.
     for (int axis = 0; axis < 3; ++axis) {

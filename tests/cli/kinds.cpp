@@ -103,9 +103,11 @@ TEST_CASE("parameters of line tables and direction maps arrive in the file") {
                                       "--direction-levels",
                                       "3",
                                       "--direction-depth",
-                                      "32"});
+                                      "32",
+                                      "--volume-size",
+                                      "24"});
     const Json& kinds = report.at("kinds");
-    REQUIRE(kinds.size() == 5);
+    REQUIRE(kinds.size() == 6);
     CHECK(kinds[1].at("line_size") == 7);
     CHECK(kinds[1].at("points") == 49);
     CHECK(kinds[1].at("depth_bits") == 8);
@@ -121,6 +123,8 @@ TEST_CASE("parameters of line tables and direction maps arrive in the file") {
         CHECK(maps.at("map_size") == sizes[level]);
         CHECK(maps.at("depth_size") == depths[level]);
     }
+    CHECK(kinds[5].at("kind") == "volume");
+    CHECK(kinds[5].at("dims") == Json({24, 24, 24}));
     const Json provenance = info(shell).at("provenance");
     CHECK(provenance.at("lines").at("lookup") == "filtered");
     CHECK(provenance.at("directions").size() == 3);
