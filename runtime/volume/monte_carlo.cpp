@@ -4,16 +4,14 @@
 #include <glm/vec2.hpp>
 
 #include "dfield/dfield.h"
+#include "volume/random.hpp"
 
 namespace dfield::runtime::volume {
 namespace {
 
-// Two numbers in [0, 1) from an index (SplitMix64's finaliser).
+// Two numbers in [0, 1) from an index.
 glm::vec2 turn_of(std::uint64_t seed) {
-    std::uint64_t z = (seed + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
+    const std::uint64_t z = mixed(seed);
     constexpr float kScale = 0x1p-24f;
     return {static_cast<float>(z >> 40) * kScale, static_cast<float>(z & 0xffffff) * kScale};
 }

@@ -31,6 +31,7 @@
 #include "dfield/base.h"
 #include "dfield/context.h"
 #include "dfield/field.h"
+#include "dfield/local.h"
 #include "dfield/rays.h"
 #include "dfield/receiver_set.h"
 #include "dfield/scene.h"

@@ -277,6 +277,18 @@ class VolumeField {
     const float* distance_;
 };
 
+// Local ambient occlusion: the C calls with exceptions.
+inline dfield_local_desc local_defaults() noexcept {
+    dfield_local_desc desc;
+    dfield_local_desc_init(&desc);
+    return desc;
+}
+inline void local_ao_volume(const Context& context, const dfield_volume_samples& samples,
+                            const dfield_opacity_desc& opacity, const dfield_local_desc& desc,
+                            float* visibility) {
+    check(dfield_volume_local_ao(context.get(), &samples, &opacity, &desc, visibility));
+}
+
 }  // namespace dfield
 
 #endif

@@ -1,0 +1,98 @@
+// Local ambient occlusion as a job: equations 2 and 3 of the paper for blocks of voxels.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "volume/local_rays.hpp"
+#include "volume/opacity.hpp"
+
+namespace dfield::runtime::volume {
+
+// Less light than this is none. Looked for after every kCheck samples of a ray, voxel by voxel, so that no
+// result depends on which voxels are computed together; A lacks less than this for it.
+constexpr float kOpaque = 1e-5f;
+constexpr std::size_t kCheck = 8;
+
+// The rays with a volume's strides worked into them.
+struct LocalPlan {
+    struct Step {
+        std::ptrdiff_t offset;               // floats, to the lowest of the eight voxels around the sample
+        std::ptrdiff_t window;               // to the window of a block's samples
+        float fraction[3];
+        float weight;
+    };
+    LocalPlan(std::pmr::memory_resource* memory, const LocalRays& rays, const OpacityVolume& volume);
+
+    const LocalRays* rays;                  // the caller's
+    std::pmr::vector<Step> steps;           // kept() a ray
+    std::pmr::vector<std::uint8_t> inside;  // a ray: bit 0..2: some of its fractions along x, y, z are not 0
+};
+
+// 4 x 2 x 4 blocks, whose rays are walked together, direction by direction, while what they read is in the
+// cache.
+constexpr std::size_t kTileBlocksX = 4, kTileBlocksY = 2, kTileBlocksZ = 4;
+constexpr std::size_t kTileX = kTileBlocksX * kBlockX, kTileY = kTileBlocksY * kBlockY,
+                      kTileZ = kTileBlocksZ * kBlockZ;
+struct Tile {
+    std::uint32_t x, y, z;  // its lowest voxel
+    std::uint32_t blocks;   // which are wanted: bit bx + 4 (by + 2 bz)
+};
+constexpr std::size_t block_bit(std::size_t bx, std::size_t by, std::size_t bz) {
+    return bx + kTileBlocksX * (by + kTileBlocksY * bz);
+}
+
+struct LocalJob {
+    const OpacityVolume* opacity = nullptr;
+    const LocalPlan* plan = nullptr;
+    float* visibility = nullptr;  // out, packed on the volume's grid
+};
+
+// A at the voxels of a tile's blocks. Any threads.
+using LocalFunction = void(const LocalJob& job, const Tile& tile);
+// Levels with fused multiplication and addition agree to the last bit, SSE4 with them within kLocalError.
+LocalFunction* local_function(std::int64_t targets);
+void local_reference(const LocalJob& job, const Tile& tile);
+// With jitter, at every level.
+void local_jittered(const LocalJob& job, const Tile& tile);
+inline LocalFunction* local_function(const dfield_context& context, const LocalRays& rays) {
+    return rays.jitter.most > 0 ? &local_jittered : local_function(context.simd_targets);
+}
+
+constexpr float kLocalError = 2e-5f;
+
+// Calls compute(x, y, z) for the voxels of a tile's wanted blocks.
+template<class Compute>
+void for_voxels(const Grid& grid, const Tile& tile, const Compute& compute) {
+    for (std::size_t z = tile.z; z < std::min<std::size_t>(tile.z + kTileZ, grid.nz); ++z)
+        for (std::size_t y = tile.y; y < std::min<std::size_t>(tile.y + kTileY, grid.ny); ++y)
+            for (std::size_t x = tile.x; x < std::min<std::size_t>(tile.x + kTileX, grid.nx); ++x)
+                if (tile.blocks >>
+                        block_bit((x - tile.x) / kBlockX, (y - tile.y) / kBlockY, (z - tile.z) / kBlockZ) &
+                    1)
+                    compute(x, y, z);
+}
+
+// The opacity at voxel (x, y, z) + fraction: trilinear, 0 outside the grid.
+inline float opacity_at(const OpacityVolume& volume, std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z,
+                        const float* fraction) {
+    const Grid& grid = volume.grid();
+    const auto beyond = [](std::ptrdiff_t at, std::size_t n) {
+        return at < -1 || at >= static_cast<std::ptrdiff_t>(n);
+    };
+    if (beyond(x, grid.nx) || beyond(y, grid.ny) || beyond(z, grid.nz)) return 0;
+    const float* const at = volume.row(0, 0) + x + y * volume.row_stride() + z * volume.slice_stride();
+    const auto lerp = [](float low, float high, float t) { return low + t * (high - low); };
+    const auto along_x = [&](const float* p) { return lerp(p[0], p[1], fraction[0]); };
+    const auto along_y = [&](const float* p) {
+        return lerp(along_x(p), along_x(p + volume.row_stride()), fraction[1]);
+    };
+    return lerp(along_y(at), along_y(at + volume.slice_stride()), fraction[2]);
+}
+
+// All of the grid.
+void compute_local(dfield_context* context, const LocalJob& job);
+
+}  // namespace dfield::runtime::volume

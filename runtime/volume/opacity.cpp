@@ -1,0 +1,206 @@
+#include "volume/opacity.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace dfield::runtime::volume {
+namespace {
+
+constexpr std::size_t round_up(std::size_t n, std::size_t to) {
+    return (n + to - 1) / to * to;
+}
+
+constexpr std::size_t kBrick[3] = {kBrickX, kBrickY, kBrickZ};
+
+// The padding before the first voxel or slice, and after the last: a window that touches the grid's edge
+// reaches so far beyond, and so do the samples whose lowest voxel lies in its first brick.
+constexpr std::size_t kPadX = 5 * kBrickX, kPadY = 2 * kBrickY, kPadZ = 2 * kBrickZ;
+
+template<class Type>
+void look_up(const std::byte* samples, std::size_t begin, std::size_t end, const float* table, float* out) {
+    constexpr auto kLowest = static_cast<std::int32_t>(std::numeric_limits<Type>::min());
+    for (std::size_t x = begin; x < end; ++x) {
+        Type value;
+        std::memcpy(&value, samples + x * sizeof value, sizeof value);
+        *out++ = table[static_cast<std::int32_t>(value) - kLowest];
+    }
+}
+
+}  // namespace
+
+OpacityFunction::OpacityFunction(std::pmr::memory_resource* memory, std::span<const Point> points,
+                                 float exponent, SampleType type)
+    : points_(points.begin(), points.end(), memory), exponent_(exponent), type_(type), table_(memory) {
+    const auto tabulate = [&](std::int32_t low, std::int32_t high) {
+        for (std::int32_t value = low; value <= high; ++value)
+            table_.push_back((*this)(static_cast<float>(value)));
+    };
+    if (type == SampleType::kU8) tabulate(0, 255);
+    if (type == SampleType::kI8) tabulate(-128, 127);
+    if (type == SampleType::kU16) tabulate(0, 65535);
+    if (type == SampleType::kI16) tabulate(-32768, 32767);
+}
+
+float OpacityFunction::operator()(float value) const {
+    const auto above = std::upper_bound(points_.begin(), points_.end(), value,
+                                        [](float v, const Point& point) { return v < point.value; });
+    float opacity;
+    if (above == points_.begin()) {
+        opacity = above->opacity;
+    } else if (above == points_.end()) {
+        opacity = points_.back().opacity;
+    } else {
+        const Point &low = *(above - 1), &high = *above;
+        opacity = low.opacity + (value - low.value) / (high.value - low.value) * (high.opacity - low.opacity);
+    }
+    return exponent_ == 1 ? opacity : 1 - std::pow(1 - opacity, exponent_);
+}
+
+bool OpacityFunction::row(const std::byte* samples, std::size_t begin, std::size_t end, float* out) const {
+    switch (type_) {
+        case SampleType::kU8:
+            look_up<std::uint8_t>(samples, begin, end, table_.data(), out);
+            return true;
+        case SampleType::kI8:
+            look_up<std::int8_t>(samples, begin, end, table_.data(), out);
+            return true;
+        case SampleType::kU16:
+            look_up<std::uint16_t>(samples, begin, end, table_.data(), out);
+            return true;
+        case SampleType::kI16:
+            look_up<std::int16_t>(samples, begin, end, table_.data(), out);
+            return true;
+        case SampleType::kF32:
+            break;
+    }
+    bool finite = true;
+    for (std::size_t x = begin; x < end; ++x) {
+        const float value = Samples::at<float>(samples, x);
+        finite = finite && std::isfinite(value);
+        *out++ = (*this)(value);
+    }
+    return finite;
+}
+
+BrickFlags::BrickFlags(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high) {
+    const std::size_t voxels[3] = {grid.nx, grid.ny, grid.nz}, block[3] = {kBlockX, kBlockY, kBlockZ};
+    std::size_t all[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        n_[axis] = (voxels[axis] + kBrick[axis] - 1) / kBrick[axis];
+        farthest_[axis] = static_cast<std::int32_t>(voxels[axis] + 2 * kBlockX);
+        const auto bricks = [&](std::int32_t reach) {
+            return static_cast<std::size_t>(std::min(reach, farthest_[axis])) / kBrick[axis];
+        };
+        // Five bricks for windows that begin before the first brick; one for rounding down.
+        before_[axis] = bricks(-low[axis]) + 6;
+        all[axis] =
+            before_[axis] + round_up(voxels[axis], block[axis]) / kBrick[axis] + bricks(high[axis]) + 6;
+    }
+    row_ = static_cast<std::ptrdiff_t>(all[0]);
+    slice_ = static_cast<std::ptrdiff_t>(all[0] * all[1]);
+    size_ = all[0] * all[1] * all[2];
+    bricks_ = Buffer<std::uint8_t>(context, size_, 0);
+    windows_ = Buffer<std::uint8_t>(context, size_, 0);
+}
+
+std::ptrdiff_t BrickFlags::window_offset(const Offset& offset) const {
+    const std::ptrdiff_t strides[3] = {1, row_, slice_};
+    std::ptrdiff_t all = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int32_t at = std::clamp(offset[axis], -farthest_[axis], farthest_[axis]);
+        const auto brick = static_cast<std::int32_t>(kBrick[axis]);
+        all += strides[axis] * (at >= 0 ? at / brick : -((-at + brick - 1) / brick));  // rounds down
+    }
+    return all;
+}
+
+void BrickFlags::clear() const {
+    std::fill_n(bricks_.get(), size_, std::uint8_t{0});
+    std::fill_n(windows_.get(), size_, std::uint8_t{0});
+}
+
+void BrickFlags::update_windows() const {
+    const std::size_t low[3] = {0, 0, 0};
+    update_windows(low, n_);
+}
+
+void BrickFlags::update_windows(const std::size_t low[3], const std::size_t high[3]) const {
+    // Windows [low - (4, 1, 1), high).
+    for (std::size_t z = low[2] + before_[2] - 1; z < high[2] + before_[2]; ++z)
+        for (std::size_t y = low[1] + before_[1] - 1; y < high[1] + before_[1]; ++y) {
+            const auto first = static_cast<std::ptrdiff_t>(low[0] + before_[0] - 4);
+            const auto count = static_cast<std::ptrdiff_t>(high[0] - low[0]) + 4;
+            const std::uint8_t* const from = bricks_ + (first + static_cast<std::ptrdiff_t>(y) * row_ +
+                                                        static_cast<std::ptrdiff_t>(z) * slice_);
+            std::uint8_t* const to = windows_ + (first + static_cast<std::ptrdiff_t>(y) * row_ +
+                                                 static_cast<std::ptrdiff_t>(z) * slice_);
+            const auto column = [&](std::ptrdiff_t x) {
+                return static_cast<std::uint8_t>(from[x] | from[x + row_] | from[x + slice_] |
+                                                 from[x + row_ + slice_]);
+            };
+            for (std::ptrdiff_t x = 0; x < count; ++x)
+                to[x] = column(x) | column(x + 1) | column(x + 2) | column(x + 3) | column(x + 4);
+        }
+}
+
+OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high)
+    : grid_(grid), occupied_(context, grid, low, high) {
+    const auto odd_lines = [](std::size_t floats) {
+        const std::size_t lines = (floats + 15) / 16;
+        return 16 * (lines | 1);
+    };
+    const std::size_t row = odd_lines(grid.nx + kPadX), slice = odd_lines(row * (grid.ny + kPadY));
+    row_ = static_cast<std::ptrdiff_t>(row);
+    slice_ = static_cast<std::ptrdiff_t>(slice);
+    // Before the first voxel: slices, rows, and a row's own padding, rounded to keep rows aligned.
+    const std::size_t before = kPadZ * slice + kPadY * row + round_up(kPadX, 16);
+    origin_ = static_cast<std::ptrdiff_t>(before);
+    values_ = Buffer<float>(context, before + (grid.nz + kPadZ) * slice + kPadY * row + 2 * kPadX, 0.0f);
+}
+
+void OpacityVolume::update_occupied(dfield_context* context, const std::size_t low[3],
+                                    const std::size_t high[3]) {
+    std::size_t first[3], end[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (low[axis] >= high[axis]) return;
+        first[axis] = low[axis] / kBrick[axis];
+        end[axis] = (high[axis] + kBrick[axis] - 1) / kBrick[axis];
+    }
+    context->for_ranges(end[2] - first[2], [&](std::size_t from, std::size_t to) {
+        for (std::size_t bz = first[2] + from; bz < first[2] + to; ++bz)
+            for (std::size_t by = first[1]; by < end[1]; ++by) {
+                std::uint8_t* const flags = occupied_.brick(0, by, bz);
+                std::fill(flags + first[0], flags + end[0], std::uint8_t{0});
+                for (std::size_t z = bz * kBrickZ; z < std::min((bz + 1) * kBrickZ, grid_.nz); ++z)
+                    for (std::size_t y = by * kBrickY; y < std::min((by + 1) * kBrickY, grid_.ny); ++y) {
+                        const float* const values = row(y, z);
+                        for (std::size_t bx = first[0]; bx < end[0]; ++bx) {
+                            const float* const v = values + bx * kBrickX;  // beyond the grid: padding, 0
+                            flags[bx] = static_cast<std::uint8_t>(
+                                flags[bx] | ((v[0] != 0) | (v[1] != 0) | (v[2] != 0) | (v[3] != 0)));
+                        }
+                    }
+            }
+    });
+    occupied_.update_windows(first, end);
+}
+
+bool fill_opacity(dfield_context* context, const Samples& samples, const OpacityFunction& function,
+                  OpacityVolume& volume) {
+    const Grid& grid = volume.grid();
+    std::atomic<bool> finite{true};
+    context->for_ranges(grid.ny * grid.nz, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const std::size_t y = row % grid.ny, z = row / grid.ny;
+            if (!function.row(samples.row(y, z), 0, grid.nx, volume.row(y, z)))
+                finite.store(false, std::memory_order_relaxed);
+        }
+    });
+    const std::size_t low[3] = {0, 0, 0}, high[3] = {grid.nx, grid.ny, grid.nz};
+    volume.update_occupied(context, low, high);
+    return finite.load(std::memory_order_relaxed);
+}
+
+}  // namespace dfield::runtime::volume
