@@ -102,8 +102,8 @@ TEST_CASE("Every level agrees with the paper's equations", "[volume][local]") {
     const models::Dims sizes[] = {{1, 1, 1}, {17, 5, 3}, {40, 23, 19}, {33, 16, 9}, {3, 40, 2}, {70, 9, 11}};
     for (const models::Dims& dims : sizes)
         for (int form = 0; form < 4; ++form) {
-            const auto volume =
-                blobs(dims, random.below(1000), form < 2 ? models::kUnitSpacing : models::Spacing{0.8, 1.7, 1.1});
+            const auto volume = blobs(dims, random.below(1000),
+                                      form < 2 ? models::kUnitSpacing : models::Spacing{0.8, 1.7, 1.1});
             dfield_local_desc desc = local_desc(form == 0 ? 54 : form == 1 ? 14 : 33, form == 3 ? 1 : 21);
             std::vector<float> weights;
             if (form >= 1) {
@@ -116,8 +116,7 @@ TEST_CASE("Every level agrees with the paper's equations", "[volume][local]") {
             const Transfer transfer;
             const std::vector<float> reference = local_ao(volume, desc, transfer, DFIELD_SIMD_SCALAR);
             for (int i = 0; i < 10; ++i) {
-                const glm::uvec3 at(random.below(dims[0]), random.below(dims[1]),
-                                    random.below(dims[2]));
+                const glm::uvec3 at(random.below(dims[0]), random.below(dims[1]), random.below(dims[2]));
                 CHECK(reference[volume.index(at.x, at.y, at.z)] ==
                       Approx(by_the_paper(volume, desc, transfer, at)).margin(1e-5));
             }

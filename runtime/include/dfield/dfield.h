@@ -30,6 +30,7 @@
 #include "dfield/ambient.h"
 #include "dfield/base.h"
 #include "dfield/context.h"
+#include "dfield/contextual.h"
 #include "dfield/field.h"
 #include "dfield/local.h"
 #include "dfield/rays.h"

@@ -289,6 +289,74 @@ inline void local_ao_volume(const Context& context, const dfield_volume_samples&
     check(dfield_volume_local_ao(context.get(), &samples, &opacity, &desc, visibility));
 }
 
+inline void local_ao_volume_clipped(const Context& context, const dfield_volume_samples& samples,
+                                    const dfield_opacity_desc& opacity, const dfield_local_desc& desc,
+                                    const std::vector<dfield_clip>& clips, std::uint32_t clip_samples,
+                                    float* visibility) {
+    check(dfield_volume_local_ao_clipped(context.get(), &samples, &opacity, &desc, clips.data(), clips.size(),
+                                         clip_samples, visibility));
+}
+
+// A closed mesh to clip volumes with. Immutable.
+inline dfield_clip_mesh_desc clip_mesh_defaults() noexcept {
+    dfield_clip_mesh_desc desc;
+    dfield_clip_mesh_desc_init(&desc);
+    return desc;
+}
+class ClipMesh {
+  public:
+    ClipMesh(const Context& context, const dfield_clip_mesh_desc& desc) {
+        dfield_clip_mesh* handle = nullptr;
+        check(dfield_clip_mesh_create(context.get(), &desc, &handle));
+        handle_.reset(handle);
+    }
+    dfield_clip_method method() const noexcept { return dfield_clip_mesh_get_method(handle_.get()); }
+    std::uint32_t layers() const noexcept { return dfield_clip_mesh_get_layers(handle_.get()); }
+    const dfield_clip_mesh* get() const noexcept { return handle_.get(); }
+
+  private:
+    detail::Handle<dfield_clip_mesh, dfield_clip_mesh_release> handle_;
+};
+
+// Contextual ambient occlusion from frame to frame. One thread at a time.
+inline dfield_contextual_desc contextual_defaults() noexcept {
+    dfield_contextual_desc desc;
+    dfield_contextual_desc_init(&desc);
+    return desc;
+}
+class Contextual {
+  public:
+    Contextual(const Context& context, const dfield_contextual_desc& desc) {
+        dfield_contextual* handle = nullptr;
+        check(dfield_contextual_create(context.get(), &desc, &handle));
+        handle_.reset(handle);
+    }
+    std::uint32_t add(const dfield_clip& clip) {
+        std::uint32_t id = 0;
+        check(dfield_contextual_add_clip(handle_.get(), &clip, &id));
+        return id;
+    }
+    void move(std::uint32_t id, const float mesh_to_world[16]) {
+        check(dfield_contextual_move_clip(handle_.get(), id, mesh_to_world));
+    }
+    void remove(std::uint32_t id) { check(dfield_contextual_remove_clip(handle_.get(), id)); }
+    void set_opacity(const dfield_opacity_desc& opacity) {
+        check(dfield_contextual_set_opacity(handle_.get(), &opacity));
+    }
+    // desc may be null: until all is final.
+    dfield_update_result update(const dfield_update_desc* desc = nullptr) {
+        dfield_update_result result{};
+        check(dfield_contextual_update(handle_.get(), desc, &result));
+        return result;
+    }
+    const float* visibility() const noexcept { return dfield_contextual_get_visibility(handle_.get()); }
+    const std::uint8_t* coverage() const noexcept { return dfield_contextual_get_coverage(handle_.get()); }
+    dfield_contextual* get() const noexcept { return handle_.get(); }
+
+  private:
+    detail::Handle<dfield_contextual, dfield_contextual_release> handle_;
+};
+
 }  // namespace dfield
 
 #endif

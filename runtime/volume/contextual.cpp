@@ -1,0 +1,530 @@
+#include "volume/contextual.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "volume/local_setup.hpp"
+
+using namespace dfield::runtime;
+using namespace dfield::runtime::volume;
+
+namespace dfield::runtime::volume {
+
+void Box::include(const Box& other) {
+    if (other.empty()) return;
+    if (empty()) {
+        *this = other;
+        return;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], other.low[axis]);
+        high[axis] = std::max(high[axis], other.high[axis]);
+    }
+}
+
+namespace {
+
+// The six axes: what a voxel is roughly.
+dfield_local_desc rough(dfield_local_desc desc) {
+    desc.ray_set = DFIELD_RAYS_NEIGHBOURS;
+    desc.ray_count = 6;
+    desc.weights = nullptr;
+    desc.jitter = 0;
+    return desc;
+}
+
+Offset lowest(const LocalRays& rays, const LocalRays& rough) {
+    Offset low;
+    for (std::size_t axis = 0; axis < 3; ++axis) low[axis] = std::min({rays.low[axis], rough.low[axis], -1});
+    return low;
+}
+Offset highest(const LocalRays& rays, const LocalRays& rough) {
+    Offset high;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        high[axis] = std::max({rays.high[axis], rough.high[axis], 1});
+    return high;
+}
+
+// Where the samples of a block's voxels are read, that is where a change matters to it.
+std::pmr::vector<Offset> offsets_of(std::pmr::memory_resource* memory, const LocalRays& rays) {
+    std::pmr::vector<Offset> offsets(memory);
+    if (rays.jitter.most == 0) {
+        for (const RayStep& step : rays.steps) offsets.push_back(step.offset);
+        return offsets;
+    }
+    // Anywhere in the box.
+    for (std::int32_t z = rays.low[2]; z <= rays.high[2]; z += kBrickZ)
+        for (std::int32_t y = rays.low[1]; y <= rays.high[1]; y += kBrickY)
+            for (std::int32_t x = rays.low[0]; x <= rays.high[0]; x += kBrickX) offsets.push_back({x, y, z});
+    return offsets;
+}
+
+constexpr std::array<Offset, 8> kNeighbours{
+    {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}}};
+
+}  // namespace
+}  // namespace dfield::runtime::volume
+
+dfield_contextual::dfield_contextual(dfield_context* context, const dfield_contextual_desc& desc)
+    : Shared(context),
+      grid_(checked_grid(checked_volume(&desc.samples).grid)),
+      samples_(checked_samples(desc.samples, grid_)),
+      local_(checked_local(&desc.local)),
+      dilated_mode_(desc.mask == DFIELD_UPDATE_DILATED),
+      rays_(rays_of(context, grid_, local_)),
+      rough_rays_(rays_of(context, grid_, rough(local_))),
+      coverage_(context, desc.clip_samples),
+      opacity_(opacity_of(context, &desc.opacity, local_, grid_, samples_.type)),
+      volume_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
+      plan_(context, rays_, volume_),
+      rough_plan_(context, rough_rays_, volume_),
+      changed_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
+      turned_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
+      differs_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
+      rays_reach_(context, changed_, offsets_of(context, rays_)),
+      neighbours_reach_(context, turned_, kNeighbours),
+      left_(context, grid_.size(), coverage_.all()),
+      unclipped_(context, grid_.size()),
+      visibility_(context, grid_.size(), 1.0f),
+      tiles_{(grid_.nx + kTileX - 1) / kTileX, (grid_.ny + kTileY - 1) / kTileY,
+             (grid_.nz + kTileZ - 1) / kTileZ},
+      pending_unclipped_(tiles_[0] * tiles_[1] * tiles_[2], 0u, context),
+      pending_(pending_unclipped_.size(), 0u, context),
+      pending_rough_(pending_unclipped_.size(), 0u, context),
+      dilated_(pending_unclipped_.size(), 0u, context),
+      order_(context),
+      clips_(context),
+      applied_(context),
+      dilations_(context) {
+    order_.reserve(pending_.size());
+}
+
+dfield_contextual::~dfield_contextual() {
+    for (const Clip& clip : clips_) const_cast<dfield_clip_mesh*>(clip.given.mesh)->release();
+}
+
+dfield_contextual::Clip& dfield_contextual::find(std::uint32_t id) {
+    for (Clip& clip : clips_)
+        if (clip.id == id && !clip.removed) return clip;
+    throw Failure{DFIELD_INVALID_ARGUMENT, "dfield_contextual: there is no clip of this id"};
+}
+
+std::uint32_t dfield_contextual::add(const dfield_clip& clip) {
+    const PlacedClip checked(clip, grid_);
+    applied_.reserve(clips_.size() + 1);
+    clips_.push_back({next_id_, clip, true, false, {}});
+    const_cast<dfield_clip_mesh*>(clip.mesh)->retain();
+    return next_id_++;
+}
+
+void dfield_contextual::move(std::uint32_t id, const float* mesh_to_world) {
+    Clip& clip = find(id);
+    dfield_clip moved = clip.given;
+    std::copy_n(mesh_to_world, 16, moved.mesh_to_world);
+    const PlacedClip checked(moved, grid_);
+    clip.given = moved;
+    clip.changed = true;
+}
+
+void dfield_contextual::remove(std::uint32_t id) {
+    find(id).removed = true;
+}
+
+void dfield_contextual::set_opacity(const dfield_opacity_desc& opacity) {
+    next_opacity_.emplace(opacity_of(context(), &opacity, local_, grid_, samples_.type));
+}
+
+Box dfield_contextual::bounds(const PlacedClip& clip) const {
+    Box box;
+    clip.bounds(grid_, box.low.data(), box.high.data());
+    return box;
+}
+
+Tile dfield_contextual::tile(std::size_t index) const {
+    return {static_cast<std::uint32_t>(index % tiles_[0] * kTileX),
+            static_cast<std::uint32_t>(index / tiles_[0] % tiles_[1] * kTileY),
+            static_cast<std::uint32_t>(index / (tiles_[0] * tiles_[1]) * kTileZ), 0};
+}
+
+template<class Use>
+void dfield_contextual::for_blocks(const Tile& tile, const Use& use) {
+    for (std::size_t bz = 0; bz < kTileBlocksZ; ++bz)
+        for (std::size_t by = 0; by < kTileBlocksY; ++by)
+            for (std::size_t bx = 0; bx < kTileBlocksX; ++bx)
+                if (const std::size_t bit = block_bit(bx, by, bz); tile.blocks >> bit & 1)
+                    use(bit, tile.x + bx * kBlockX, tile.y + by * kBlockY, tile.z + bz * kBlockZ);
+}
+
+template<class Wanted, class Use>
+bool dfield_contextual::for_tiles(const Deadline& deadline, const Wanted& wanted, const Use& use) {
+    order_.clear();
+    for (std::uint32_t i = 0; i < pending_.size(); ++i)
+        if (wanted(i)) order_.push_back(i);
+    // Batches small enough to end in time, large enough for some threads.
+    const std::size_t batch = !deadline.can_end()             ? order_.size()
+                              : context()->hooks.parallel_for ? std::size_t{16}
+                                                              : std::size_t{1};
+    for (std::size_t done = 0; done < order_.size(); done += batch) {
+        if (deadline.can_end() && deadline.over()) return false;
+        context()->for_ranges(std::min(batch, order_.size() - done), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) use(order_[done + i]);
+        });
+    }
+    return true;
+}
+
+// The volume through another transfer function, nothing clipped; which blocks' factors change for it.
+void dfield_contextual::change_opacity() {
+    const bool first = !filled_;
+    const OpacityFunction& next = next_opacity_ ? *next_opacity_ : opacity_;
+    std::atomic<bool> finite{true};
+    // Rows of bricks, so that no two threads share a flag.
+    context()->for_ranges(changed_.nz(), [&](std::size_t begin, std::size_t end) {
+        std::array<float, 64> before;
+        for (std::size_t z = begin * kBrickZ; z < std::min(end * kBrickZ, grid_.nz); ++z)
+            for (std::size_t y = 0; y < grid_.ny; ++y) {
+                float* const row = volume_.row(y, z);
+                const std::byte* const samples = samples_.row(y, z);
+                if (!next.row(samples, 0, grid_.nx, row)) finite.store(false, std::memory_order_relaxed);
+                std::uint8_t* const flags = changed_.brick(0, y / kBrickY, z / kBrickZ);
+                for (std::size_t x = 0; !first && x < grid_.nx; x += before.size()) {
+                    const std::size_t count = std::min(before.size(), grid_.nx - x);
+                    (void)opacity_.row(samples, x, x + count, before.data());
+                    for (std::size_t i = 0; i < count; ++i)
+                        if (before[i] != row[x + i]) flags[(x + i) / kBrickX] = 1;
+                }
+            }
+    });
+    clipped_ = filled_ = false;
+    require_finite(finite.load(std::memory_order_relaxed));
+    const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
+    volume_.update_occupied(context(), all.low.data(), all.high.data());
+    if (first) {
+        std::fill(pending_unclipped_.begin(), pending_unclipped_.end(), ~0u);
+        std::fill(pending_.begin(), pending_.end(), ~0u);
+    } else {
+        changed_.update_windows();
+        mark_affected(all, pending_unclipped_);
+        for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] |= pending_unclipped_[i];
+        changed_.clear();
+    }
+    if (next_opacity_) {
+        opacity_ = std::move(*next_opacity_);
+        next_opacity_.reset();
+    }
+    filled_ = true;
+}
+
+// A block of the clipped volume: what is left of its voxels, their opacities, and the flags of its bricks.
+bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y,
+                                     std::size_t z, bool retest, std::uint64_t& changed) {
+    constexpr std::size_t kBlock = kBlockX * kBlockY * kBlockZ;
+    std::uint8_t left[kBlock];
+    const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
+                      nz = std::min(kBlockZ, grid_.nz - z);
+    const auto for_rows = [&](const auto& use) {
+        for (std::size_t k = 0; k < nz; ++k)
+            for (std::size_t j = 0; j < ny; ++j)
+                use(left + (k * kBlockY + j) * kBlockX,
+                    left_ + static_cast<std::ptrdiff_t>(grid_.index(x, y + j, z + k)), y + j, z + k);
+    };
+    if (!retest)
+        for_rows(
+            [&](std::uint8_t* now, const std::uint8_t* before, auto, auto) { std::copy_n(before, nx, now); });
+    else if (!coverage_.of_block(clips, x, y, z, left))
+        std::fill_n(left, kBlock, coverage_.all());
+    bool same = true, full = true;
+    for_rows([&](const std::uint8_t* now, const std::uint8_t* before, auto, auto) {
+        same = same && std::memcmp(now, before, nx) == 0;
+        full = full && std::all_of(now, now + nx, [&](std::uint8_t n) { return n == coverage_.all(); });
+    });
+    // The opacities are those of what was left before, or of nothing clipped.
+    if (same && (clipped_ || full)) return false;
+    std::uint8_t* const changed_flags = changed_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    std::uint8_t* const turned_flags = turned_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    std::uint8_t* const differs_flags = differs_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    constexpr std::size_t kBricks = kBlockX / kBrickX;
+    std::uint8_t differs[kBricks] = {}, occupied[kBricks] = {};
+    for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
+        float* const opacity = volume_.row(row_y, row_z) + x;
+        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx, opacity);
+        for (std::size_t i = 0; i < nx; ++i) {
+            const std::size_t brick = i / kBrickX;
+            const bool matter = opacity[i] != 0, other = now[i] != before[i], turned = !now[i] != !before[i];
+            if (other && matter) changed_flags[brick] = 1;
+            if (turned) turned_flags[brick] = 1;
+            if (turned || (other && matter)) ++changed;
+            if (matter && now[i] != coverage_.all()) differs[brick] = 1;
+            if (now[i] != coverage_.all()) opacity[i] *= coverage_.share(now[i]);
+            if (opacity[i] != 0) occupied[brick] = 1;
+            before[i] = now[i];
+        }
+    });
+    const std::size_t bricks = (nx + kBrickX - 1) / kBrickX;
+    std::copy_n(differs, bricks, differs_flags);
+    std::copy_n(occupied, bricks, volume_.occupied().brick(x / kBrickX, y / kBrickY, z / kBrickZ));
+    return true;
+}
+
+dfield_contextual::Region dfield_contextual::change_clips() {
+    Region region;
+    const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
+    applied_.clear();
+    for (const Clip& clip : clips_)
+        if (!clip.removed) applied_.emplace_back(clip.given, grid_);
+    Box retest;
+    std::size_t placed = 0;
+    for (Clip& clip : clips_) {
+        const Box now = clip.removed ? Box{} : bounds(applied_[placed++]);
+        if (clip.changed || clip.removed) {
+            if (clip.applied) retest.include(*clip.applied);
+            retest.include(now);
+            // All that is outside a probe comes and goes with it.
+            if (clip.given.mode == DFIELD_CLIP_PROBE && (!clip.applied || clip.removed)) retest.include(all);
+        }
+        if (!clip.removed) clip.applied = now;
+        clip.changed = false;
+    }
+    std::erase_if(clips_, [](const Clip& clip) {
+        if (clip.removed) const_cast<dfield_clip_mesh*>(clip.given.mesh)->release();
+        return clip.removed;
+    });
+    const Box work = clipped_ ? retest : all;
+    if (work.empty()) return region;
+    const std::size_t block[3] = {kBlockX, kBlockY, kBlockZ};
+    std::size_t first[3], count[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        first[axis] = work.low[axis] / block[axis];
+        count[axis] = (work.high[axis] + block[axis] - 1) / block[axis] - first[axis];
+    }
+    std::atomic<std::uint64_t> changed{0};
+    context()->for_ranges(count[1] * count[2], [&](std::size_t begin, std::size_t end) {
+        std::uint64_t here = 0;
+        for (std::size_t row = begin; row < end; ++row) {
+            const std::size_t y = (first[1] + row % count[1]) * kBlockY,
+                              z = (first[2] + row / count[1]) * kBlockZ;
+            for (std::size_t i = 0; i < count[0]; ++i) {
+                const std::size_t x = (first[0] + i) * kBlockX;
+                const bool inside = x < retest.high[0] && x + kBlockX > retest.low[0] && y < retest.high[1] &&
+                                    y + kBlockY > retest.low[1] && z < retest.high[2] &&
+                                    z + kBlockZ > retest.low[2];
+                change_block(applied_, x, y, z, inside, here);
+            }
+        }
+        changed.fetch_add(here, std::memory_order_relaxed);
+    });
+    clipped_ = true;
+    region.voxels = work;
+    region.changed = changed.load(std::memory_order_relaxed);
+    refresh_windows(work);
+    return region;
+}
+
+void dfield_contextual::refresh_windows(const Box& voxels) const {
+    const std::size_t brick[3] = {kBrickX, kBrickY, kBrickZ},
+                      all[3] = {changed_.nx(), changed_.ny(), changed_.nz()};
+    std::size_t low[3], high[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        // Whole blocks were changed.
+        const std::size_t block[3] = {kBlockX, kBlockY, kBlockZ};
+        low[axis] = voxels.low[axis] / block[axis] * (block[axis] / brick[axis]);
+        high[axis] = std::min(
+            all[axis], (voxels.high[axis] + block[axis] - 1) / block[axis] * (block[axis] / brick[axis]));
+    }
+    for (const BrickFlags* flags : {&changed_, &turned_, &differs_, &volume_.occupied()})
+        flags->update_windows(low, high);
+}
+
+void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::uint32_t>& pending) const {
+    std::size_t low[3], high[3];
+    const std::size_t size[3] = {kTileX, kTileY, kTileZ};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        // Blocks whose windows can reach what changed.
+        const auto before = static_cast<std::size_t>(std::max(rays_.high[axis], 1)) + 2 * kBlockX,
+                   after = static_cast<std::size_t>(std::max(-rays_.low[axis], 1)) + 2 * kBlockX;
+        low[axis] = (changed.low[axis] > before ? changed.low[axis] - before : 0) / size[axis];
+        high[axis] = std::min(tiles_[axis], (changed.high[axis] + after + size[axis] - 1) / size[axis]);
+        if (low[axis] >= high[axis]) return;
+    }
+    const std::size_t nx = high[0] - low[0], ny = high[1] - low[1], nz = high[2] - low[2];
+    context()->for_ranges(nx * ny * nz, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t index =
+                low[0] + i % nx + tiles_[0] * (low[1] + i / nx % ny + tiles_[1] * (low[2] + i / (nx * ny)));
+            Tile t = tile(index);
+            t.blocks = ~0u;
+            for_blocks(t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
+                if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+                if (rays_reach_.meets(changed_.window(x, y, z)) ||
+                    neighbours_reach_.meets(turned_.window(x, y, z)))
+                    pending[index] |= 1u << bit;
+            });
+        }
+    });
+}
+
+void dfield_contextual::mark_dilated(dfield_update_result& result) {
+    std::erase_if(dilations_, [&](const Dilation& d) {
+        return std::none_of(applied_.begin(), applied_.end(),
+                            [&](const PlacedClip& clip) { return clip.mesh == d.mesh(); });
+    });
+    std::pmr::vector<const Dilation*> of(context());
+    std::pmr::vector<std::size_t> which(context());
+    for (const PlacedClip& clip : applied_) {
+        const double radius = dilation_radius(clip, grid_, rays_.reach, coverage_.all() > 1);
+        std::size_t i = 0;
+        // Turned and moved, a mesh keeps its maps; made smaller or larger it needs others.
+        while (i < dilations_.size() &&
+               !(dilations_[i].mesh() == clip.mesh && dilations_[i].probe() == clip.probe &&
+                 dilations_[i].radius() >= radius && dilations_[i].radius() <= 1.0001 * radius))
+            ++i;
+        if (i == dilations_.size())
+            dilations_.emplace_back(context(), *clip.mesh, clip.probe, 1.00005 * radius);
+        which.push_back(i);
+    }
+    std::atomic<std::uint64_t> masked{0};
+    context()->for_ranges(pending_.size(), [&](std::size_t begin, std::size_t end) {
+        std::uint64_t here = 0;
+        for (std::size_t index = begin; index < end; ++index) {
+            Tile t = tile(index);
+            t.blocks = ~0u;
+            std::uint32_t now = 0;
+            for_blocks(t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
+                if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+                std::uint64_t voxels = 0;
+                const bool gone = block_is_gone(grid_, left_.get(), x, y, z);
+                for (std::size_t k = z; !gone && k < std::min(z + kBlockZ, grid_.nz); ++k)
+                    for (std::size_t j = y; j < std::min(y + kBlockY, grid_.ny); ++j)
+                        for (std::size_t i = x; i < std::min(x + kBlockX, grid_.nx); ++i) {
+                            bool affected = false;
+                            for (std::size_t c = 0; c < applied_.size() && !affected; ++c)
+                                affected = dilations_[which[c]].affected(applied_[c].to_camera(
+                                    static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)));
+                            if (!affected) continue;
+                            now |= 1u << bit;
+                            voxels += left_.get()[grid_.index(i, j, k)] > 0;
+                        }
+                here += voxels;
+            });
+            pending_[index] |= now | dilated_[index];
+            dilated_[index] = now;
+        }
+        masked.fetch_add(here, std::memory_order_relaxed);
+    });
+    result.masked = masked.load(std::memory_order_relaxed);
+}
+
+// The pending blocks of a tile: along all rays where the clipped volume matters to them, otherwise as they
+// are unclipped.
+void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const LocalPlan& plan,
+                                std::uint64_t& voxels) {
+    Tile rays = wanted;
+    rays.blocks = 0;
+    const std::size_t index =
+        wanted.x / kTileX + tiles_[0] * (wanted.y / kTileY + tiles_[1] * (wanted.z / kTileZ));
+    for_blocks(wanted, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
+        if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+        const bool apart =
+            dilated_mode_ ? dilated_[index] >> bit & 1 : rays_reach_.meets(differs_.window(x, y, z));
+        const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
+                          nz = std::min(kBlockZ, grid_.nz - z);
+        if (apart && !block_is_gone(grid_, left_.get(), x, y, z)) {
+            rays.blocks |= 1u << bit;
+            voxels += nx * ny * nz;
+            return;
+        }
+        for (std::size_t k = z; k < z + nz; ++k)
+            for (std::size_t j = y; j < y + ny; ++j) {
+                const auto at = static_cast<std::ptrdiff_t>(grid_.index(x, j, k));
+                std::copy_n(unclipped_ + at, nx, visibility_ + at);
+            }
+    });
+    if (rays.blocks != 0) local({&volume_, &plan, visibility_.get()}, rays);
+    for_blocks(wanted, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
+        if (x < grid_.nx && y < grid_.ny && z < grid_.nz)
+            open_gone_voxels(grid_, left_.get(), x, y, z, visibility_.get());
+    });
+}
+
+void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_result& result) {
+    const Deadline deadline(desc);
+    result = {};
+    LocalFunction* const local = local_function(*context(), rays_);
+    LocalFunction* const local_rough = local_function(context()->simd_targets);
+    Box touched;
+    const auto touch = [&](std::uint32_t index, std::uint32_t blocks) {
+        if (blocks == 0) return;
+        const Tile t = tile(index);
+        touched.include({{t.x, t.y, t.z},
+                         {std::min(grid_.nx, t.x + kTileX), std::min(grid_.ny, t.y + kTileY),
+                          std::min(grid_.nz, t.z + kTileZ)}});
+    };
+    const auto end = [&](bool final) {
+        result.is_final = final ? 1 : 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            result.low[axis] = static_cast<std::uint32_t>(touched.low[axis]);
+            result.high[axis] = static_cast<std::uint32_t>(touched.high[axis]);
+        }
+        result.seconds = deadline.seconds();
+    };
+
+    if (next_opacity_ || !filled_) {
+        change_opacity();
+        std::copy(pending_unclipped_.begin(), pending_unclipped_.end(), pending_rough_.begin());
+    }
+    if (std::any_of(pending_unclipped_.begin(), pending_unclipped_.end(), [](std::uint32_t b) { return b; })) {
+        for (std::uint32_t i = 0; i < pending_.size(); ++i) touch(i, pending_unclipped_[i]);
+        bool done = true;
+        if (deadline.is_set())
+            done = for_tiles(
+                deadline, [&](std::uint32_t i) { return pending_rough_[i] != 0; },
+                [&](std::uint32_t i) {
+                    Tile t = tile(i);
+                    t.blocks = std::exchange(pending_rough_[i], 0u);
+                    local_rough({&volume_, &rough_plan_, visibility_.get()}, t);
+                });
+        done = done && for_tiles(
+                           deadline, [&](std::uint32_t i) { return pending_unclipped_[i] != 0; },
+                           [&](std::uint32_t i) {
+                               Tile t = tile(i);
+                               t.blocks = std::exchange(pending_unclipped_[i], 0u);
+                               local({&volume_, &plan_, unclipped_.get()}, t);
+                           });
+        if (!done) return end(false);
+    }
+    const double before_clips = deadline.seconds();
+    const bool clips_changed = std::any_of(clips_.begin(), clips_.end(),
+                                           [](const Clip& clip) { return clip.changed || clip.removed; });
+    if (clips_changed || !clipped_) {
+        const Region region = change_clips();
+        result.changed = region.changed;
+        if (!region.voxels.empty()) mark_affected(region.voxels, pending_);
+        if (dilated_mode_) mark_dilated(result);
+        std::copy(pending_.begin(), pending_.end(), pending_rough_.begin());
+        changed_.clear();
+        turned_.clear();
+    }
+    result.clip_seconds = deadline.seconds() - before_clips;
+
+    std::atomic<std::uint64_t> voxels{0};
+    const auto compute_all = [&](std::pmr::vector<std::uint32_t>& pending, LocalFunction* function,
+                                 const LocalPlan& plan, bool count) {
+        return for_tiles(
+            deadline, [&](std::uint32_t i) { return pending[i] != 0; },
+            [&](std::uint32_t i) {
+                Tile t = tile(i);
+                t.blocks = std::exchange(pending[i], 0u);
+                pending_rough_[i] = 0;
+                std::uint64_t here = 0;
+                compute(t, function, plan, here);
+                if (count) voxels.fetch_add(here, std::memory_order_relaxed);
+            });
+    };
+    for (std::uint32_t i = 0; i < pending_.size(); ++i) touch(i, pending_[i]);
+    if (deadline.is_set()) compute_all(pending_rough_, local_rough, rough_plan_, false);
+    const bool done = compute_all(pending_, local, plan_, true);
+    result.recomputed = voxels.load(std::memory_order_relaxed);
+    end(done);
+}
