@@ -35,11 +35,21 @@ struct PlacedClip {
     void bounds(const Grid& grid, std::size_t low[3], std::size_t high[3]) const;
 };
 
+// Points between voxels, in voxels.
+struct ClipPoints {
+    const double *x, *y, *z;
+    std::size_t count;
+};
+// Sets seen[i] to 0 where the clip takes point i away. Every level has the same results, to the last bit.
+using ClipFunction = void(const PlacedClip& clip, const ClipPoints& points, std::uint8_t* seen);
+ClipFunction* clip_function(std::int64_t targets);
+void clip_reference(const PlacedClip& clip, const ClipPoints& points, std::uint8_t* seen);
+
 // A voxel's byte: of `all` samples so many are left.
 class Coverage {
   public:
     // samples: N; 0: by voxels' centres.
-    Coverage(std::pmr::memory_resource* memory, std::size_t samples);
+    Coverage(dfield_context* context, std::size_t samples);
 
     std::uint8_t all() const { return all_; }
     float share(std::uint8_t left) const { return shares_[left]; }
@@ -53,11 +63,13 @@ class Coverage {
                   std::uint8_t* left) const;
 
   private:
-    static constexpr std::size_t kMost = 255;
+    void of_brick(std::span<const PlacedClip* const> clips, std::size_t x, std::size_t y, std::size_t z,
+                  std::uint8_t* left) const;
 
     std::size_t samples_;
     std::uint8_t all_;
-    std::pmr::vector<glm::dvec3> offsets_;  // of the N further samples
+    ClipFunction* clip_;
+    std::pmr::vector<double> offsets_[3];  // of the N further samples
     std::pmr::vector<float> shares_;
 };
 

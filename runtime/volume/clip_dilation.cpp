@@ -16,22 +16,25 @@ DepthPixel depth_at(const dfield_clip_mesh& mesh, bool probe, double x, double y
         return pixel ? *pixel : DepthPixel{};
     }
     if (probe || x < mesh.low().x || x > mesh.high().x || y < mesh.low().y || y > mesh.high().y) return {};
-    return {static_cast<float>(mesh.low().z), static_cast<float>(mesh.high().z)};
+    return {mesh.low().z, mesh.high().z};
 }
 
 }  // namespace
 
 Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool probe, double radius)
-    : mesh_(&mesh),
-      probe_(probe),
-      radius_(radius),
-      maps_{glm::dvec2(0), 1, 0, 0, std::pmr::vector<DepthPixel>(context)} {
+    : mesh_(&mesh), probe_(probe), radius_(radius), maps_{glm::dvec2(0),
+                                                          1,
+                                                          1,
+                                                          0,
+                                                          0,
+                                                          std::pmr::vector<DepthPixel>(context)} {
     // Pixels of the dilation may be larger than the mesh's: a hundred a side are enough, since each takes the
     // most of all points of those that it looks at.
     constexpr double kPixels = 160;
     const glm::dvec3 size = mesh.high() - mesh.low();
     const double pixel = (std::max(size.x, size.y) + 2 * radius) / kPixels;
     maps_.pixel = pixel;
+    maps_.per_pixel = 1 / pixel;
     maps_.low = glm::dvec2(mesh.low()) - radius - pixel;
     maps_.width = static_cast<std::int32_t>((size.x + 2 * radius) / pixel) + 4;
     maps_.height = static_cast<std::int32_t>((size.y + 2 * radius) / pixel) + 4;
@@ -42,7 +45,7 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
     // round.
     std::pmr::vector<DepthPixel> depths(maps_.pixels.size(), DepthPixel{}, context);
     const double fine = mesh.exact() ? pixel / 4 : std::min(mesh.maps().pixel, pixel / 2);
-    constexpr float kNone = std::numeric_limits<float>::infinity();
+    constexpr double kNone = std::numeric_limits<double>::infinity();
     const auto width = static_cast<std::size_t>(maps_.width), height = static_cast<std::size_t>(maps_.height);
     context->for_ranges(height, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j)
@@ -76,7 +79,7 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
                                    at_y = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y) + j);
                         const bool within = at_x < width && at_y < height;
                         const DepthPixel mesh_depth = within ? depths[at_y * width + at_x] : DepthPixel{};
-                        const auto sphere = static_cast<float>(std::sqrt(wide * wide - away * away));
+                        const double sphere = std::sqrt(wide * wide - away * away);
                         if (probe) {
                             found.front = std::max(found.front, mesh_depth.front + sphere);
                             found.back = std::min(found.back, mesh_depth.back - sphere);

@@ -15,7 +15,7 @@ dfield_clip_mesh::dfield_clip_mesh(dfield_context* context, const dfield_clip_me
     : Shared(context),
       points_(context),
       triangles_(context),
-      maps_{glm::dvec2(0), 1, 0, 0, std::pmr::vector<DepthPixel>(context)},
+      maps_{glm::dvec2(0), 1, 1, 0, 0, std::pmr::vector<DepthPixel>(context)},
       first_(context),
       sorted_(context),
       cell_sides_(context) {
@@ -42,11 +42,11 @@ dfield_clip_mesh::dfield_clip_mesh(dfield_context* context, const dfield_clip_me
         maps_.pixels.shrink_to_fit();
         sort_triangles();
     } else {
-        // Pixels reach beyond the mesh, and their depths are rounded.
-        high_.x = maps_.low.x + maps_.width * maps_.pixel;
-        high_.y = maps_.low.y + maps_.height * maps_.pixel;
-        const double rounding = 1e-6 * (std::abs(low_.z) + std::abs(high_.z));
-        low_.z -= rounding;
+        // Pixels reach beyond the mesh, and so does rounding: of depths, and of which pixel a point is in.
+        const double rounding = 1e-9 * maps_.pixel;
+        high_.x = maps_.low.x + maps_.width * maps_.pixel + rounding;
+        high_.y = maps_.low.y + maps_.height * maps_.pixel + rounding;
+        low_ -= rounding;
         high_.z += rounding;
     }
     make_cells();
@@ -167,6 +167,7 @@ bool dfield_clip_mesh::crossing(const Corner& triangle, double x, double y, doub
 
 void dfield_clip_mesh::rasterise(std::int32_t resolution) {
     maps_.pixel = std::max(high_.x - low_.x, high_.y - low_.y) / resolution;
+    maps_.per_pixel = 1 / maps_.pixel;
     maps_.low = {low_.x, low_.y};
     const auto pixels = [&](double length) {
         return std::max(1, static_cast<std::int32_t>(std::ceil(length / maps_.pixel - 1e-9)));
@@ -197,8 +198,8 @@ void dfield_clip_mesh::rasterise(std::int32_t resolution) {
                 const auto at = static_cast<std::size_t>(j) * static_cast<std::size_t>(maps_.width) +
                                 static_cast<std::size_t>(i);
                 DepthPixel& pixel = maps_.pixels[at];
-                pixel.front = std::min(pixel.front, static_cast<float>(depth));
-                pixel.back = std::max(pixel.back, static_cast<float>(depth));
+                pixel.front = std::min(pixel.front, depth);
+                pixel.back = std::max(pixel.back, depth);
                 ++crossings[at];
             }
     }

@@ -21,21 +21,21 @@ namespace dfield::runtime::volume {
 using CameraPoint = glm::dvec3;
 
 struct DepthPixel {
-    float front =
-        std::numeric_limits<float>::infinity();  // inverted where there is no mesh: nothing is inside
-    float back = -std::numeric_limits<float>::infinity();
+    double front =
+        std::numeric_limits<double>::infinity();  // inverted where there is no mesh: nothing is inside
+    double back = -std::numeric_limits<double>::infinity();
 };
 
 // Z_front and Z_back: pixel (i, j) looks along the line through low + (i + 1/2, j + 1/2) * pixel.
 struct DepthMaps {
     glm::dvec2 low{0};
-    double pixel = 1;
+    double pixel = 1, per_pixel = 1;  // a pixel's side, and 1 over it
     std::int32_t width = 0, height = 0;
     std::pmr::vector<DepthPixel> pixels;
 
     // Which pixel a point is in; nullptr beyond the maps.
     const DepthPixel* at(const CameraPoint& p) const {
-        const double x = (p.x - low.x) / pixel, y = (p.y - low.y) / pixel;
+        const double x = (p.x - low.x) * per_pixel, y = (p.y - low.y) * per_pixel;
         if (!(x >= 0 && y >= 0 && x < width && y < height)) return nullptr;
         return &pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                        static_cast<std::size_t>(x)];
@@ -65,7 +65,7 @@ struct dfield_clip_mesh final : dfield::runtime::Shared<dfield_clip_mesh> {
     bool inside(const CameraPoint& p) const {
         if (exact_) return inside_exactly(p);
         const auto* const pixel = maps_.at(p);
-        return pixel && p.z > static_cast<double>(pixel->front) && p.z < static_cast<double>(pixel->back);
+        return pixel && p.z > pixel->front && p.z < pixel->back;
     }
 
     // What is known of all points of a box.

@@ -33,8 +33,8 @@ struct Cut {
         std::vector<dfield_clip> list;
         for (const auto& [id, clip] : clips) list.push_back(clip);
         std::vector<float> visibility(volume.values.size());
-        local_ao_volume_clipped(context, samples_of(volume), transfer.desc(), local, list, clip_samples,
-                                visibility.data());
+        local_ao_volume_clipped(context, samples_of(volume), transfer.desc(), local, list.data(), list.size(),
+                                clip_samples, visibility.data());
         return visibility;
     }
     // Counts voxels that are not the same in every bit.

@@ -291,9 +291,9 @@ inline void local_ao_volume(const Context& context, const dfield_volume_samples&
 
 inline void local_ao_volume_clipped(const Context& context, const dfield_volume_samples& samples,
                                     const dfield_opacity_desc& opacity, const dfield_local_desc& desc,
-                                    const std::vector<dfield_clip>& clips, std::uint32_t clip_samples,
-                                    float* visibility) {
-    check(dfield_volume_local_ao_clipped(context.get(), &samples, &opacity, &desc, clips.data(), clips.size(),
+                                    const dfield_clip* clips, std::size_t clip_count,
+                                    std::uint32_t clip_samples, float* visibility) {
+    check(dfield_volume_local_ao_clipped(context.get(), &samples, &opacity, &desc, clips, clip_count,
                                          clip_samples, visibility));
 }
 
