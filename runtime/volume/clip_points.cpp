@@ -5,6 +5,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <cstring>
+
 #include "simd.hpp"
 #include "volume/clip_coverage.hpp"
 
@@ -43,10 +45,15 @@ void clip_points(const PlacedClip& clip, const ClipPoints& points, std::uint8_t*
         const auto front = hn::GatherIndex(f64, depths, index),
                    back = hn::GatherIndex(f64, depths + 1, index);
         const auto inside = hn::And(within, hn::And(hn::Gt(depth, front), hn::Lt(depth, back)));
+        // A bit a lane becomes a byte a lane: each byte keeps its own bit, and its top bit says whether it
+        // was set.
         std::uint8_t bits[8] = {};
         hn::StoreMaskBits(f64, inside, bits);
-        for (std::size_t l = 0; l < lanes; ++l)
-            if ((bits[0] >> l & 1) != clip.probe) seen[i + l] = 0;
+        std::uint64_t bytes = bits[0] * 0x0101010101010101u & 0x8040201008040201u, before = 0;
+        bytes = (bytes + 0x7f7f7f7f7f7f7f7fu) >> 7 & 0x0101010101010101u;
+        std::memcpy(&before, seen + i, lanes);
+        before &= clip.probe ? bytes : ~bytes;
+        std::memcpy(seen + i, &before, lanes);
     }
     clip_reference(clip, {points.x + whole, points.y + whole, points.z + whole, points.count - whole},
                    seen + whole);
