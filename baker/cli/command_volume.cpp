@@ -10,6 +10,8 @@ void add_volume_command(CLI::App& app, ExitCode&) {
     add_volume_info_command(*volume);
     add_volume_sweep_command(*volume);
     add_volume_compare_command(*volume);
+    add_volume_lao_command(*volume);
+    add_volume_cao_command(*volume);
     add_volume_render_command(*volume);
 }
 

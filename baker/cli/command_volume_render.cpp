@@ -2,6 +2,7 @@
 
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
+#include "baker/cli/volume_clip_pictures.hpp"
 #include "baker/cli/volume_input.hpp"
 #include "baker/cli/volume_sweep.hpp"
 #include "baker/error.hpp"
@@ -21,6 +22,7 @@ struct RenderCommand {
     float fov = 35, visibility_offset = 0;
     double step = 0, reference_length = 0;
     RenderOptions picture{.samples = 2};
+    ClipPictureOptions clipping;
     CommonOptions common;
 };
 
@@ -86,6 +88,8 @@ void run(RenderCommand& command) {
         throw Error(ExitCode::kUsage, "give one of --iso VALUE, --tf FILE or --surface");
     if (vector_of(command.view) == glm::vec3(0) || vector_of(command.up) == glm::vec3(0))
         throw Error(ExitCode::kUsage, "--view and --up: 0 0 0 is no direction");
+    if (command.clipping.used() && (command.transfer_file.empty() || !command.visibility_file.empty()))
+        throw Error(ExitCode::kUsage, "--clip and --probe go with --tf, and compute --visibility themselves");
     std::optional<TransferFunction> transfer;
     if (!command.transfer_file.empty()) transfer = read_transfer_function(command.transfer_file);
     const Volume volume = read_volume_input(command.input);
@@ -102,15 +106,24 @@ void run(RenderCommand& command) {
     const ScalarField field{volume.grid, shown.values};
     const bool local = !command.unshaded && !(isovalue && command.shading == "ao");
     const auto drawing = std::chrono::steady_clock::now();
+    std::vector<std::string> images{command.output};
     Image image;
-    if (transfer)
-        image = render_volume(field, *transfer, camera,
-                              {.reference_length = command.reference_length,
-                               .step = command.step,
-                               .local = local,
-                               .light = vector_of(command.light),
-                               .visibility = shown.visibility},
-                              command.picture);
+    VolumeStyle style{.reference_length = command.reference_length,
+                      .step = command.step,
+                      .local = local,
+                      .light = vector_of(command.light),
+                      .visibility = shown.visibility};
+    if (command.clipping.used())
+        images =
+            draw_clipped(command.clipping, command.input.file, volume, *transfer, command.common.threads,
+                         command.output, [&](const auto& clipped, auto visibility, const std::string& file) {
+                             style.clipped = clipped;
+                             style.visibility = visibility;
+                             image = render_volume(field, *transfer, camera, style, command.picture);
+                             write_png(file, image);
+                         });
+    else if (transfer)
+        image = render_volume(field, *transfer, camera, style, command.picture);
     else
         image = render_isosurface(field, camera,
                                   {.local = local,
@@ -119,12 +132,13 @@ void run(RenderCommand& command) {
                                    .visibility_offset = command.visibility_offset},
                                   command.picture);
     const double seconds = seconds_since(drawing);
-    write_png(command.output, image);
+    if (!command.clipping.used()) write_png(command.output, image);
     say(command.common.json,
         text("%s: %u x %u pixels, %.2f s", command.output.c_str(), image.width, image.height, seconds) +
             (isovalue ? text(" and %.2f s to sweep", seconds_sweep) : ""));
     Json json = volume_json(command.input, volume);
-    json["image"] = command.output;
+    json["image"] = images.front();
+    if (command.clipping.used()) json["images"] = images;
     json["width"] = image.width;
     json["height"] = image.height;
     json["seconds"] = significant(seconds);
@@ -209,6 +223,7 @@ void add_volume_render_command(CLI::App& volume) {
         ->capture_default_str()
         ->check(CLI::Range(1, 16))
         ->group("Picture");
+    add_clip_picture_options(*render, command->clipping);
     add_common_options(*render, command->common, "all cores");
     render->footer(
         "The whole volume is in the picture. Colours are written as they are, without a transfer curve.");

@@ -1,19 +1,14 @@
 #include "baker/cli/volume_sweep.hpp"
 
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <new>
 #include <numeric>
 
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
-#include "baker/cli/terminal.hpp"
 #include "baker/error.hpp"
-#include "baker/parallel.hpp"
 
 namespace dfield::cli {
 namespace {
@@ -37,28 +32,15 @@ std::vector<Number> parse_list(const std::string& flag, const std::string& list)
     }
 }
 
-std::optional<dfield_sample_type> sample_type(VoxelType type) {
-    switch (type) {
-        case VoxelType::kU8:
-            return DFIELD_SAMPLE_U8;
-        case VoxelType::kI8:
-            return DFIELD_SAMPLE_I8;
-        case VoxelType::kU16:
-            return DFIELD_SAMPLE_U16;
-        case VoxelType::kI16:
-            return DFIELD_SAMPLE_I16;
-        case VoxelType::kF32:
-            return DFIELD_SAMPLE_F32;
-        default:
-            return std::nullopt;
-    }
-}
-
-// The largest cosine between two of the grid's axes, made positive.
-double obliqueness(const VolumeGrid& grid) {
-    const glm::dvec3 x = glm::normalize(grid.directions[0]), y = glm::normalize(grid.directions[1]),
-                     z = glm::normalize(grid.directions[2]);
-    return std::max({std::abs(glm::dot(x, y)), std::abs(glm::dot(y, z)), std::abs(glm::dot(z, x))});
+// The name, where the volume has a surface of this isovalue.
+std::string checked(std::string name, const Volume& volume, float isovalue) {
+    const ValueRange range = value_range(volume);
+    if (!(isovalue > static_cast<float>(range.min) && isovalue <= static_cast<float>(range.max)))
+        throw Error(ExitCode::kUsage,
+                    text("--iso %g: %s has no surface there: its values go from %g to %g, and what is "
+                         "inside has the isovalue or more",
+                         isovalue, name.c_str(), range.min, range.max));
+    return name;
 }
 
 }  // namespace
@@ -156,54 +138,12 @@ glm::vec3 to_sweep_frame(const VolumeGrid& grid, const glm::vec3& direction) {
 
 VolumeSweeper::VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads,
                              dfield_context_desc hooks)
-    : name_(std::move(name)), voxels_(volume.grid.voxels()) {
-    const ValueRange range = value_range(volume);
-    if (!(isovalue > static_cast<float>(range.min) && isovalue <= static_cast<float>(range.max)))
-        throw Error(ExitCode::kUsage,
-                    text("--iso %g: %s has no surface there: its values go from %g to %g, and what is "
-                         "inside has the isovalue or more",
-                         isovalue, name_.c_str(), range.min, range.max));
-    // A hundredth: half a degree off does no harm and is common in scanners' files.
-    if (obliqueness(volume.grid) > 0.01)
-        std::fprintf(stderr,
-                     "dfield: warning: %s: its axes are not perpendicular; distances are measured as if "
-                     "they were\n",
-                     name_.c_str());
-    samples_.struct_size = sizeof samples_;
-    const glm::dvec3 spacing = volume.grid.spacing();
-    for (int axis = 0; axis < 3; ++axis) {
-        const std::size_t size = volume.grid.size[static_cast<std::size_t>(axis)];
-        if (size > DFIELD_MAX_VOLUME_DIM)
-            throw InputError(name_ + text(": %zu voxels along an axis; at most %u can be swept", size,
-                                          DFIELD_MAX_VOLUME_DIM));
-        samples_.grid.dims[axis] = static_cast<std::uint32_t>(size);
-        samples_.grid.spacing[axis] = static_cast<float>(spacing[axis]);
-    }
-    if (const auto type = sample_type(volume.type)) {
-        samples_.type = *type;
-        samples_.data = volume.data.data();
-    } else {
-        converted_ = float_values(volume);
-        samples_.type = DFIELD_SAMPLE_F32;
-        samples_.data = converted_.data();
-    }
-    hooks.struct_size = sizeof hooks;
-    if (thread_count(threads) > 1)
-        threads_.emplace(static_cast<unsigned>(thread_count(threads))).install(hooks);
-    context_.emplace(&hooks);
+    : volume_(checked(std::move(name), volume, isovalue), volume, threads, hooks) {
+    warn_of_oblique_axes(volume_.name(), volume.grid);
 }
 
 double VolumeSweeper::sweep(const dfield_sweep_desc& desc, const dfield_sweep_outputs& outputs) const {
-    const auto start = std::chrono::steady_clock::now();
-    try {
-        sweep_volume(*context_, samples_, desc, outputs);
-    } catch (const Exception& error) {
-        if (error.status() == DFIELD_OUT_OF_MEMORY) throw std::bad_alloc();
-        if (error.status() == DFIELD_INVALID_ARGUMENT) throw InputError(name_ + ": " + error.what());
-        throw;
-    }
-    if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return volume_.timed([&] { sweep_volume(volume_.context(), volume_.samples(), desc, outputs); });
 }
 
 }  // namespace dfield::cli

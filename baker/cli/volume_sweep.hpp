@@ -2,13 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "baker/volume/volume.hpp"
-#include "dfield/dfield.hpp"
-#include "dfield/threads.hpp"
+#include "baker/cli/runtime_volume.hpp"
 
 namespace dfield::cli {
 
@@ -52,23 +49,18 @@ class VolumeSweeper {
     VolumeSweeper(std::string name, const Volume& volume, float isovalue, int threads,
                   dfield_context_desc hooks = {});
 
-    int threads() const { return static_cast<int>(threads_ ? threads_->size() : 1); }
-    std::size_t voxels() const { return voxels_; }
+    int threads() const { return volume_.threads(); }
+    std::size_t voxels() const { return volume_.voxels(); }
     // Calls about fields on the volume's grid.
-    VolumeField field(const float* distance) const { return {*context_, samples_.grid, distance}; }
-    const dfield_volume_grid& grid() const { return samples_.grid; }
+    VolumeField field(const float* distance) const { return {volume_.context(), grid(), distance}; }
+    const dfield_volume_grid& grid() const { return volume_.samples().grid; }
 
     // Returns the seconds that the call took. Throws InputError for what cannot be swept, and
     // Error(kInterrupted) after Ctrl-C.
     double sweep(const dfield_sweep_desc& desc, const dfield_sweep_outputs& outputs) const;
 
   private:
-    std::string name_;
-    std::size_t voxels_;
-    std::optional<Threads> threads_;  // none for one thread: slabs then stay in the cache
-    std::optional<Context> context_;
-    std::vector<float> converted_;  // the voxels, where the runtime does not take their type
-    dfield_volume_samples samples_{};
+    RuntimeVolume volume_;
 };
 
 }  // namespace dfield::cli

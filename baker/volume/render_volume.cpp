@@ -267,7 +267,7 @@ Image render_volume(const ScalarField& field, const TransferFunction& transfer, 
             const glm::vec3 index = ray->at(ray->begin + (static_cast<float>(i) + 0.5f) * length);
             const float value = volume(index);
             const float layer = transfer.opacity(value);
-            if (layer <= 0) continue;
+            if (layer <= 0 || (style.clipped && style.clipped(index))) continue;
             const float opacity = 1 - std::pow(1 - layer, exponent);
             glm::vec3 rgb = transfer.colour(value);
             if (style.local) {

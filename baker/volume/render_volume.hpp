@@ -58,6 +58,8 @@ struct VolumeStyle {
     float ambient = 0.25f;
     glm::vec3 light{0};                   // as in IsosurfaceStyle
     std::span<const float> visibility{};  // per voxel, 0..1, multiplies colours; empty: 1 everywhere
+    // Whether a point, in voxels, is clipped away; called from several threads. Empty: nothing is.
+    std::function<bool(const glm::vec3& voxel)> clipped{};
 };
 
 // Emission and absorption, composited front to back (Max 1995): each step's opacity is 1 - (1 - a)^(step /

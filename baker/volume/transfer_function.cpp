@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <locale>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "baker/error.hpp"
@@ -75,7 +78,50 @@ glm::vec3 TransferFunction::colour(double value) const {
                        [](const Colour& a, const Colour& b, float t) { return a.rgb + t * (b.rgb - a.rgb); });
 }
 
+namespace {
+
+// Lines of numbers, separated by spaces, tabs, commas or semicolons: value and opacity, or value, red, green,
+// blue and opacity; # begins a comment.
+TransferFunction parse_table(std::string_view text, const std::string& name) {
+    std::vector<TransferFunction::Opacity> points;
+    std::vector<TransferFunction::Colour> colours;
+    std::size_t line_number = 0, columns = 0;
+    while (!text.empty()) {
+        const std::size_t length = std::min(text.find('\n'), text.size());
+        std::string line(text.substr(0, std::min(length, text.find('#'))));
+        text.remove_prefix(std::min(length + 1, text.size()));
+        ++line_number;
+        for (char& c : line)
+            if (c == ',' || c == ';' || c == '\t' || c == '\r') c = ' ';
+        std::vector<double> n;
+        std::istringstream words(line);
+        words.imbue(std::locale::classic());
+        for (double value; words >> value;) n.push_back(value);
+        const std::string where = name + ": line " + std::to_string(line_number);
+        if (!words.eof()) throw InputError(where + " holds something other than numbers");
+        if (n.empty()) continue;
+        if ((n.size() != 2 && n.size() != 5) || (columns != 0 && n.size() != columns))
+            throw InputError(
+                where + " has " + std::to_string(n.size()) +
+                " numbers; expected are value and opacity, or value, red, green, blue and opacity, in "
+                "every line");
+        columns = n.size();
+        points.push_back({n[0], static_cast<float>(n.back())});
+        if (columns == 5) colours.push_back({n[0], glm::vec3(n[1], n[2], n[3])});
+    }
+    try {
+        return TransferFunction(std::move(points), std::move(colours));
+    } catch (const std::invalid_argument& error) {
+        throw InputError(name + ": " + error.what());
+    }
+}
+
+}  // namespace
+
 TransferFunction parse_transfer_function(std::string_view text, const std::string& name) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first != std::string_view::npos && (std::strchr("+-.#0123456789", text[first]) != nullptr))
+        return parse_table(text, name);
     const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
     constexpr const char* kForm =
         R"({"points": [[value, opacity], ...], "colors": [[value, red, green, blue], ...]})";

@@ -35,8 +35,9 @@ class TransferFunction {
     std::vector<Colour> colours_;
 };
 
-// {"points": [[value, opacity], ...], "colors": [[value, red, green, blue], ...]}, colors optional. Throws
-// InputError that names the file.
+// {"points": [[value, opacity], ...], "colors": [[value, red, green, blue], ...]}, colors optional; or lines
+// of text: value and opacity, or value, red, green, blue and opacity, separated by spaces or commas, # for
+// comments. Throws InputError that names the file.
 TransferFunction read_transfer_function(const std::filesystem::path& path);
 // The same from text; `name` stands for the file in messages.
 TransferFunction parse_transfer_function(std::string_view text, const std::string& name);
