@@ -213,7 +213,7 @@ void ClipScene::read_frames(const std::string& file) {
         for (const Json& change : frame.is_array() ? frame : Json::array({frame})) {
             if (!change.is_object()) throw InputError(where + " is no object");
             const Json index = change.value("mesh", Json(0));
-            if (!index.is_number_unsigned() || index.get<std::size_t>() >= poses.size())
+            if (!index.is_number_integer() || index < 0 || index >= poses.size())
                 throw InputError(where + text(": 'mesh' must be 0..%zu", poses.size() - 1));
             const auto mesh = index.get<std::size_t>();
             if (change.contains("pose")) {
