@@ -37,10 +37,10 @@ dfield_status dfield_clip_mesh_create(dfield_context* context, const dfield_clip
         require(context && given && mesh, "dfield_clip_mesh_create: an argument is null");
         const auto desc = read_desc(given, {}, kVersion);
         require(desc.positions && desc.indices, "dfield_clip_mesh_create: positions or indices is null");
-        require(desc.vertex_count >= 4 && desc.vertex_count < 0xffffffffu,
-                "dfield_clip_mesh_create: vertex_count must be 4 or more, and below 2^32 - 1");
-        require(desc.triangle_count >= 4 && desc.triangle_count < 0x55555555u,
-                "dfield_clip_mesh_create: triangle_count must be 4 or more, and below 2^32 / 3");
+        require(desc.vertex_count >= 1 && desc.vertex_count < 0xffffffffu,
+                "dfield_clip_mesh_create: vertex_count must be 1 or more, and below 2^32 - 1");
+        require(desc.triangle_count >= 1 && desc.triangle_count < 0x55555555u,
+                "dfield_clip_mesh_create: triangle_count must be 1 or more, and below 2^32 / 3");
         require(desc.method <= DFIELD_CLIP_EXACT, "dfield_clip_mesh_create: unknown method");
         require(desc.axis <= 2, "dfield_clip_mesh_create: axis must be 0, 1 or 2");
         require(desc.resolution >= 1 && desc.resolution <= 4096,
