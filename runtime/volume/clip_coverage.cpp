@@ -13,8 +13,8 @@ namespace dfield::runtime::volume {
 
 PlacedClip::PlacedClip(const dfield_clip& clip, const Grid& grid)
     : mesh(clip.mesh), probe(clip.mode == DFIELD_CLIP_PROBE) {
-    require(mesh, "clip: mesh is null");
-    require(clip.mode <= DFIELD_CLIP_PROBE, "clip: unknown mode");
+    require(mesh, "clip: its mesh is null; create one first");
+    require(clip.mode <= DFIELD_CLIP_PROBE, "clip: unknown mode; SUBTRACT and PROBE are known");
     const float* const m = clip.mesh_to_world;
     for (int i = 0; i < 16; ++i) require(std::isfinite(m[i]), "clip: mesh_to_world is not finite");
     require(m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1, "clip: mesh_to_world is not affine");
