@@ -4,6 +4,7 @@
    them rays.h          rays: nearest hits, occlusion ambient.h       ambient occlusion of receivers, bent
    normals, harmonics, masks receiver_set.h  receivers that stay from frame to frame, updated where something
    changed volume.h        volumes: distance fields and occlusion by sweeping
+   local.h         local ambient occlusion of volumes contextual.h    the same while meshes cut them
 
    A *field* (a .dfield file, baked offline) knows of one rigid object what it hides, for every line that
    meets its bounding sphere. A *scene* places instances of fields by affine transforms and answers rays and
