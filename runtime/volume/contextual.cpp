@@ -175,168 +175,6 @@ bool dfield_contextual::for_tiles(const Deadline& deadline, const Wanted& wanted
     return true;
 }
 
-// The volume through another transfer function, nothing clipped; which blocks' factors change for it.
-void dfield_contextual::change_opacity() {
-    const bool first = !filled_;
-    const OpacityFunction& next = next_opacity_ ? *next_opacity_ : opacity_;
-    std::atomic<bool> finite{true};
-    // Rows of bricks, so that no two threads share a flag.
-    context()->for_ranges(changed_.nz(), [&](std::size_t begin, std::size_t end) {
-        std::array<float, 64> before;
-        for (std::size_t z = begin * kBrickZ; z < std::min(end * kBrickZ, grid_.nz); ++z)
-            for (std::size_t y = 0; y < grid_.ny; ++y) {
-                float* const row = volume_.row(y, z);
-                const std::byte* const samples = samples_.row(y, z);
-                if (!next.row(samples, 0, grid_.nx, row)) finite.store(false, std::memory_order_relaxed);
-                std::uint8_t* const flags = changed_.brick(0, y / kBrickY, z / kBrickZ);
-                for (std::size_t x = 0; !first && x < grid_.nx; x += before.size()) {
-                    const std::size_t count = std::min(before.size(), grid_.nx - x);
-                    (void)opacity_.row(samples, x, x + count, before.data());
-                    for (std::size_t i = 0; i < count; ++i)
-                        if (before[i] != row[x + i]) flags[(x + i) / kBrickX] = 1;
-                }
-            }
-    });
-    clipped_ = filled_ = false;
-    require_finite(finite.load(std::memory_order_relaxed));
-    const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
-    volume_.update_occupied(context(), all.low.data(), all.high.data());
-    if (first) {
-        std::fill(pending_unclipped_.begin(), pending_unclipped_.end(), ~0u);
-        std::fill(pending_.begin(), pending_.end(), ~0u);
-    } else {
-        changed_.update_windows();
-        mark_affected(all, pending_unclipped_);
-        for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] |= pending_unclipped_[i];
-        changed_.clear();
-    }
-    if (next_opacity_) {
-        opacity_ = std::move(*next_opacity_);
-        next_opacity_.reset();
-    }
-    filled_ = true;
-}
-
-// A block of the clipped volume: what is left of its voxels, their opacities, and the flags of its bricks.
-bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y,
-                                     std::size_t z, bool retest, std::uint64_t& changed) {
-    constexpr std::size_t kBlock = kBlockX * kBlockY * kBlockZ;
-    std::uint8_t left[kBlock];
-    const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
-                      nz = std::min(kBlockZ, grid_.nz - z);
-    const auto for_rows = [&](const auto& use) {
-        for (std::size_t k = 0; k < nz; ++k)
-            for (std::size_t j = 0; j < ny; ++j)
-                use(left + (k * kBlockY + j) * kBlockX,
-                    left_ + static_cast<std::ptrdiff_t>(grid_.index(x, y + j, z + k)), y + j, z + k);
-    };
-    if (!retest)
-        for_rows(
-            [&](std::uint8_t* now, const std::uint8_t* before, auto, auto) { std::copy_n(before, nx, now); });
-    else if (!coverage_.of_block(clips, x, y, z, left))
-        std::fill_n(left, kBlock, coverage_.all());
-    bool same = true, full = true;
-    for_rows([&](const std::uint8_t* now, const std::uint8_t* before, auto, auto) {
-        same = same && std::memcmp(now, before, nx) == 0;
-        full = full && std::all_of(now, now + nx, [&](std::uint8_t n) { return n == coverage_.all(); });
-    });
-    // The opacities are those of what was left before, or of nothing clipped.
-    if (same && (clipped_ || full)) return false;
-    std::uint8_t* const changed_flags = changed_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    std::uint8_t* const turned_flags = turned_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    std::uint8_t* const differs_flags = differs_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    constexpr std::size_t kBricks = kBlockX / kBrickX;
-    std::uint8_t differs[kBricks] = {}, occupied[kBricks] = {};
-    for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
-        float* const opacity = volume_.row(row_y, row_z) + x;
-        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx, opacity);
-        for (std::size_t i = 0; i < nx; ++i) {
-            const std::size_t brick = i / kBrickX;
-            const bool matter = opacity[i] != 0, other = now[i] != before[i], turned = !now[i] != !before[i];
-            if (other && matter) changed_flags[brick] = 1;
-            if (turned) turned_flags[brick] = 1;
-            if (turned || (other && matter)) ++changed;
-            if (matter && now[i] != coverage_.all()) differs[brick] = 1;
-            if (now[i] != coverage_.all()) opacity[i] *= coverage_.share(now[i]);
-            if (opacity[i] != 0) occupied[brick] = 1;
-            before[i] = now[i];
-        }
-    });
-    const std::size_t bricks = (nx + kBrickX - 1) / kBrickX;
-    std::copy_n(differs, bricks, differs_flags);
-    std::copy_n(occupied, bricks, volume_.occupied().brick(x / kBrickX, y / kBrickY, z / kBrickZ));
-    return true;
-}
-
-dfield_contextual::Region dfield_contextual::change_clips() {
-    Region region;
-    const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
-    applied_.clear();
-    for (const Clip& clip : clips_)
-        if (!clip.removed) applied_.emplace_back(clip.given, grid_);
-    Box retest;
-    std::size_t placed = 0;
-    for (Clip& clip : clips_) {
-        const Box now = clip.removed ? Box{} : bounds(applied_[placed++]);
-        if (clip.changed || clip.removed) {
-            if (clip.applied) retest.include(*clip.applied);
-            retest.include(now);
-            // All that is outside a probe comes and goes with it.
-            if (clip.given.mode == DFIELD_CLIP_PROBE && (!clip.applied || clip.removed)) retest.include(all);
-        }
-        if (!clip.removed) clip.applied = now;
-        clip.changed = false;
-    }
-    std::erase_if(clips_, [](const Clip& clip) {
-        if (clip.removed) const_cast<dfield_clip_mesh*>(clip.given.mesh)->release();
-        return clip.removed;
-    });
-    const Box work = clipped_ ? retest : all;
-    if (work.empty()) return region;
-    const std::size_t block[3] = {kBlockX, kBlockY, kBlockZ};
-    std::size_t first[3], count[3];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        first[axis] = work.low[axis] / block[axis];
-        count[axis] = (work.high[axis] + block[axis] - 1) / block[axis] - first[axis];
-    }
-    std::atomic<std::uint64_t> changed{0};
-    context()->for_ranges(count[1] * count[2], [&](std::size_t begin, std::size_t end) {
-        std::uint64_t here = 0;
-        for (std::size_t row = begin; row < end; ++row) {
-            const std::size_t y = (first[1] + row % count[1]) * kBlockY,
-                              z = (first[2] + row / count[1]) * kBlockZ;
-            for (std::size_t i = 0; i < count[0]; ++i) {
-                const std::size_t x = (first[0] + i) * kBlockX;
-                const bool inside = x < retest.high[0] && x + kBlockX > retest.low[0] && y < retest.high[1] &&
-                                    y + kBlockY > retest.low[1] && z < retest.high[2] &&
-                                    z + kBlockZ > retest.low[2];
-                change_block(applied_, x, y, z, inside, here);
-            }
-        }
-        changed.fetch_add(here, std::memory_order_relaxed);
-    });
-    clipped_ = true;
-    region.voxels = work;
-    region.changed = changed.load(std::memory_order_relaxed);
-    refresh_windows(work);
-    return region;
-}
-
-void dfield_contextual::refresh_windows(const Box& voxels) const {
-    const std::size_t brick[3] = {kBrickX, kBrickY, kBrickZ},
-                      all[3] = {changed_.nx(), changed_.ny(), changed_.nz()};
-    std::size_t low[3], high[3];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        // Whole blocks were changed.
-        const std::size_t block[3] = {kBlockX, kBlockY, kBlockZ};
-        low[axis] = voxels.low[axis] / block[axis] * (block[axis] / brick[axis]);
-        high[axis] = std::min(
-            all[axis], (voxels.high[axis] + block[axis] - 1) / block[axis] * (block[axis] / brick[axis]));
-    }
-    for (const BrickFlags* flags : {&changed_, &turned_, &differs_, &volume_.occupied()})
-        flags->update_windows(low, high);
-}
-
 void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::uint32_t>& pending) const {
     std::size_t low[3], high[3];
     const std::size_t size[3] = {kTileX, kTileY, kTileZ};
@@ -474,7 +312,8 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
         change_opacity();
         std::copy(pending_unclipped_.begin(), pending_unclipped_.end(), pending_rough_.begin());
     }
-    if (std::any_of(pending_unclipped_.begin(), pending_unclipped_.end(), [](std::uint32_t b) { return b; })) {
+    if (std::any_of(pending_unclipped_.begin(), pending_unclipped_.end(),
+                    [](std::uint32_t b) { return b; })) {
         for (std::uint32_t i = 0; i < pending_.size(); ++i) touch(i, pending_unclipped_[i]);
         bool done = true;
         if (deadline.is_set())
@@ -498,10 +337,16 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
     const bool clips_changed = std::any_of(clips_.begin(), clips_.end(),
                                            [](const Clip& clip) { return clip.changed || clip.removed; });
     if (clips_changed || !clipped_) {
-        const Region region = change_clips();
-        result.changed = region.changed;
-        if (!region.voxels.empty()) mark_affected(region.voxels, pending_);
-        if (dilated_mode_) mark_dilated(result);
+        try {
+            const Region region = change_clips();
+            result.changed = region.changed;
+            if (!region.voxels.empty()) mark_affected(region.voxels, pending_);
+            if (dilated_mode_) mark_dilated(result);
+        } catch (...) {  // without memory: what is affected is not known, so the next update computes all
+            clipped_ = false;
+            std::fill(pending_.begin(), pending_.end(), ~0u);
+            throw;
+        }
         std::copy(pending_.begin(), pending_.end(), pending_rough_.begin());
         changed_.clear();
         turned_.clear();
