@@ -19,8 +19,8 @@ constexpr std::size_t kCheck = 8;
 // The rays with a volume's strides worked into them.
 struct LocalPlan {
     struct Step {
-        std::ptrdiff_t offset;               // floats, to the lowest of the eight voxels around the sample
-        std::ptrdiff_t window;               // to the window of a block's samples
+        std::ptrdiff_t offset;  // floats, to the lowest of the eight voxels around the sample
+        std::ptrdiff_t window;  // to the window of a block's samples
         float fraction[3];
         float weight;
     };
