@@ -17,7 +17,9 @@ class RuntimeVolume {
   public:
     // `name` is the volume's in messages; the volume must outlive this. Throws InputError for too many
     // voxels.
-    RuntimeVolume(std::string name, const Volume& volume, int threads);
+    // `hooks` as for a context of its own; its parallel_for is that of `threads` where these are more than
+    // one.
+    RuntimeVolume(std::string name, const Volume& volume, int threads, dfield_context_desc hooks = {});
 
     const std::string& name() const { return name_; }
     int threads() const { return static_cast<int>(threads_ ? threads_->size() : 1); }
