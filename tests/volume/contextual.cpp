@@ -7,10 +7,23 @@
 using namespace dfield;
 using namespace dfield::test;
 
+namespace {
+
+// Random scenes of a test; a few under the sanitizers, which are ten times slower.
+constexpr int scenes(int count) {
+#ifdef __SANITIZE_ADDRESS__
+    return (count + 7) / 8;
+#else
+    return count;
+#endif
+}
+
+}  // namespace
+
 TEST_CASE("Contextual is local ambient occlusion of the clipped volume, bit for bit",
           "[volume][contextual]") {
     Random random(1);
-    for (int run = 0; run < 25; ++run) {
+    for (int run = 0; run < scenes(15); ++run) {
         constexpr dfield_simd kLevels[] = {DFIELD_SIMD_BEST, DFIELD_SIMD_BEST, DFIELD_SIMD_AVX2,
                                            DFIELD_SIMD_SSE4, DFIELD_SIMD_SCALAR};
         dfield_context_desc how = context_desc(kLevels[run % 5]);
@@ -56,7 +69,7 @@ TEST_CASE("Updates that end early end up exact", "[volume][contextual]") {
     Random random(2);
     const Context context;
     const Meshes meshes(context);
-    for (int run = 0; run < 10; ++run) {
+    for (int run = 0; run < scenes(10); ++run) {
         Cut scene = random_scene(random);
         scene.volume = blobs({150, 40, 30}, random.below(100));
         scene.local.jitter = 0;
