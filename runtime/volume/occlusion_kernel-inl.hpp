@@ -115,14 +115,14 @@ class OrdinateKernel {
         const hn::RebindToUnsigned<I16> u16;
         const VH opacity = hn::BitCast(i16, hn::ShiftRight<1>(hn::ShiftLeft<8>(hn::BitCast(u16, ox))));
         VH nx = hn::Zero(i16), ny = nx, nz = nx, sum = nx, mean = nx;
-        std::int16_t* const sums = s_.sum + p * s_.sum_stride + t * kRows;
+        const std::ptrdiff_t sums = p * s_.sum_stride + t * kRows;  // s_.sum may be null
         if constexpr (kSums) {
             const VH yz = hn::BitCast(i16, select_bits(half, hn::ShiftRight<16>(low), high));
             const VH upper = hn::Set(i16, static_cast<std::int16_t>(0xff00));
             nx = multiply(hn::And(ox, upper), scale_x_);
             ny = multiply(hn::ShiftLeft<8>(yz), scale_y_);
             nz = multiply(hn::And(yz, upper), scale_z_);
-            if (!s_.first) sum = hn::Load(i16, sums);
+            if (!s_.first) sum = hn::Load(i16, s_.sum + sums);
         }
 #pragma GCC unroll 6
         for (std::size_t o = 0; o < kOrdinates; ++o) {
@@ -154,7 +154,7 @@ class OrdinateKernel {
                 }
             }
         }
-        if constexpr (kSums) hn::Store(sum, i16, sums);
+        if constexpr (kSums) hn::Store(sum, i16, s_.sum + sums);
         if constexpr (kBytes) {
             const auto bytes = hn::BitCast(u32, multiply(mean, hn::Set(i16, 255)));
             bytes_[0].push_byte(bytes);
