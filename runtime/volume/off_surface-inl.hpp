@@ -22,31 +22,39 @@ namespace dfield::runtime::volume::HWY_NAMESPACE {
 
 class OffSurface {
   public:
-    // Slices on either side that a result may come from. Grid::h() is the smallest spacing.
+    // Slices on either side that a result may come from: steps are measured in voxels.
     static constexpr std::size_t kReach = 2;
     static_assert(kImprovedOffset + kImprovedDepth < static_cast<float>(kReach));
     // Swept visibility of the slices from z - kReach to z + kReach; those outside the grid are not read.
     using Slices = std::array<const float*, 2 * kReach + 1>;
 
     OffSurface(const Grid& grid, const float* distance)
-        : grid_(grid),
-          distance_(distance),
-          offset_(kImprovedOffset * grid.h()),
-          deepest_(-kImprovedDepth * grid.h()) {}
+        : grid_(grid), distance_(distance), widest_(std::max({grid.hx, grid.hy, grid.hz})) {}
 
     void move_row(std::size_t y, std::size_t z, const Slices& slices, float* out) const {
         const RowGradient row(grid_, distance_, y, z);
         const float* const swept = slices[kReach] + y * grid_.nx;
         row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const auto d = hn::LoadU(tag, row.here() + x), unmoved = hn::LoadU(tag, swept + x);
-            const auto near = hn::And(hn::Ge(d, hn::Set(tag, deepest_)), hn::Lt(d, hn::Set(tag, offset_)));
-            if (hn::AllFalse(tag, near)) return hn::StoreU(unmoved, tag, out + x);
+            const auto is_near = [&](auto h) HWY_ATTR {
+                return hn::And(hn::Ge(d, hn::Mul(h, hn::Set(tag, -kImprovedDepth))),
+                               hn::Lt(d, hn::Mul(h, hn::Set(tag, kImprovedOffset))));
+            };
+            if (hn::AllFalse(tag, is_near(hn::Set(tag, widest_)))) return hn::StoreU(unmoved, tag, out + x);
+            // In voxels: v = the gradient over the spacings, and |g| / |v| is the spacing along the normal.
             const auto g = row.at(tag, x);
-            const auto chosen = hn::And(near, hn::Gt(g.square, hn::Zero(tag)));
-            const auto scale = hn::IfThenElseZero(
-                chosen, hn::Mul(hn::Sub(hn::Set(tag, offset_), d), hn::ApproximateReciprocalSqrt(g.square)));
-            const auto moved = blend(tag, chosen, x, y, z, hn::Mul(g.x, scale), hn::Mul(g.y, scale),
-                                     hn::Mul(g.z, scale), slices);
+            const auto some = hn::Gt(g.square, hn::Zero(tag));
+            const auto per = [&](auto along, float h)
+                                 HWY_ATTR { return hn::Mul(along, hn::Set(tag, 1 / h)); };
+            const auto vx = per(g.x, grid_.hx), vy = per(g.y, grid_.hy), vz = per(g.z, grid_.hz);
+            const auto inverse = hn::ApproximateReciprocalSqrt(g.square);
+            const auto square = hn::MulAdd(vx, vx, hn::MulAdd(vy, vy, hn::Mul(vz, vz)));
+            const auto h = grid_.isotropic() ? hn::Set(tag, grid_.hx) : hn::Sqrt(hn::Div(g.square, square));
+            const auto chosen = hn::And(some, is_near(h));
+            const auto step = hn::Mul(hn::MulSub(h, hn::Set(tag, kImprovedOffset), d), inverse);
+            const auto scale = hn::IfThenElseZero(chosen, step);
+            const auto moved = blend(tag, chosen, x, y, z, hn::Mul(vx, scale), hn::Mul(vy, scale),
+                                     hn::Mul(vz, scale), slices);
             hn::StoreU(hn::IfThenElse(chosen, moved, unmoved), tag, out + x);
         });
     }
@@ -68,15 +76,14 @@ class OffSurface {
         }
     };
 
-    // Trilinear, for the lanes that are chosen; a chosen lane's shift is finite.
+    // Trilinear, shifted by so many voxels, for the lanes that are chosen; a chosen lane's shift is finite.
     template<class Tag, class V = hn::Vec<Tag>>
     HWY_INLINE V blend(Tag tag, hn::Mask<Tag> chosen, std::size_t x, std::size_t y, std::size_t z, V shift_x,
                        V shift_y, V shift_z, const Slices& slices) const {
-        const auto from = [&](std::size_t at, V shift, float h) HWY_ATTR {
-            return hn::MulAdd(shift, hn::Set(tag, 1 / h), hn::Set(tag, static_cast<float>(at)));
-        };
-        const Axis<Tag> ax(tag, hn::Add(from(x, shift_x, grid_.hx), hn::Iota(tag, 0)), grid_.nx),
-            ay(tag, from(y, shift_y, grid_.hy), grid_.ny), az(tag, from(z, shift_z, grid_.hz), grid_.nz);
+        const auto from = [&](std::size_t at, V shift)
+                              HWY_ATTR { return hn::Add(shift, hn::Set(tag, static_cast<float>(at))); };
+        const Axis<Tag> ax(tag, hn::Add(from(x, shift_x), hn::Iota(tag, 0)), grid_.nx),
+            ay(tag, from(y, shift_y), grid_.ny), az(tag, from(z, shift_z), grid_.nz);
         constexpr std::size_t kCount = hn::MaxLanes(Tag());
         HWY_ALIGN float along_z[kCount];
         hn::Store(az.fraction, tag, along_z);
@@ -116,7 +123,7 @@ class OffSurface {
 
     const Grid grid_;
     const float* const distance_;
-    const float offset_, deepest_;
+    const float widest_;  // spacing
 };
 
 #endif

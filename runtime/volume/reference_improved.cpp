@@ -23,21 +23,22 @@ std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t
 namespace {
 
 // The last mend: `swept`, a visibility with the gradient as normal, taken where each voxel near the surface
-// lies when moved along its normal until it is kImprovedOffset h off the surface.
+// lies when moved along its normal until it is kImprovedOffset h off the surface. Here h is the spacing along
+// the normal: trilinear results reach from one voxel to the next.
 void move_off_surface(const Grid& grid, const float* distance, const float* swept, float* result) {
     const SignedField field{grid, distance}, visibility{grid, swept};
-    const float h = grid.h(), offset = kImprovedOffset * h, deepest = -kImprovedDepth * h;
+    const glm::vec3 spacing(grid.hx, grid.hy, grid.hz);
     for (std::size_t z = 0, i = 0; z < grid.nz; ++z)
         for (std::size_t y = 0; y < grid.ny; ++y)
             for (std::size_t x = 0; x < grid.nx; ++x, ++i) {
                 result[i] = swept[i];
-                if (distance[i] < deepest || distance[i] >= offset) continue;
                 const glm::vec3 gradient = field.gradient(x, y, z);
                 const float length = glm::length(gradient);
                 if (!(length > 0)) continue;
-                const glm::vec3 point(static_cast<float>(x) * grid.hx, static_cast<float>(y) * grid.hy,
-                                      static_cast<float>(z) * grid.hz);
-                result[i] = visibility.at(point + (offset - distance[i]) / length * gradient);
+                const float h = length / glm::length(gradient / spacing);
+                if (distance[i] < -kImprovedDepth * h || distance[i] >= kImprovedOffset * h) continue;
+                const glm::vec3 point = glm::vec3(x, y, z) * spacing;
+                result[i] = visibility.at(point + (kImprovedOffset * h - distance[i]) / length * gradient);
             }
 }
 
