@@ -39,7 +39,7 @@ class OcclusionSweeps {
         const std::size_t ring = pipeline_.ring();
         for (std::size_t i = 0; i < 2; ++i) {
             vertices_[i] = Buffer<std::uint32_t>(context, ring * shape_.slab_floats(), kOpenVertex);
-            if (job.visibility) sums_[i] = Buffer<std::int16_t>(context, ring * 2 * pair_.slab_floats());
+            if (has_sums()) sums_[i] = Buffer<std::int16_t>(context, ring * 2 * pair_.slab_floats());
         }
         if (moves()) swept_ = Buffer<float>(context, kKept * grid_.nx * grid_.ny);
         below_ = Buffer<std::int16_t>(context, 4 * job.ordinates * 2 * pair_.layer());
@@ -75,6 +75,8 @@ class OcclusionSweeps {
     static_assert(2 * OffSurface::kReach <= kSlices);
 
     std::size_t slabs() const { return (job_.grid.nz + kSlices - 1) / kSlices; }
+    // The kernel for spacings that differ always makes sums.
+    bool has_sums() const { return job_.visibility || !grid_.isotropic(); }
     bool moves() const { return job_.visibility && job_.off_surface; }
     float* kept(std::size_t z) const { return swept_ + (grid_.nz - 1 - z) % kKept * grid_.nx * grid_.ny; }
 
@@ -195,6 +197,8 @@ class OcclusionSweeps {
         std::fill_n(border, kLeft * border_size(), std::int16_t{0});
         s.border = border + kLeft * kBorderPad;
         s.ordinates = ordinates_of(octant, kOrdinates);
+        for (std::size_t i = 0; i < kOrdinates; ++i) s.weights[i] = weights_of(s.ordinates[i], grid_);
+        s.cubic = grid_.isotropic();
         const float share = brightest_ > 0 ? intensity / brightest_ : 0;
         s.weight = share / (static_cast<float>(kOctants * kOrdinates) * (job_.through ? 0.5f : 0.25f));
         s.lit = lit_;
@@ -209,7 +213,7 @@ class OcclusionSweeps {
                                    shape_.at(0, group) - lag;
                 if (visibility_) s.visibility[half] = words_of(slab, group, index) - lag;
             }
-            if (job_.visibility) s.sum = sums_of(skew, slab, 0, pair);
+            if (has_sums()) s.sum = sums_of(skew, slab, 0, pair);
             s.below = below_ + static_cast<std::ptrdiff_t>(2 * kOrdinates *
                                                            (index * pair_.layer() + pair_.at(0, pair)));
             if (upward)

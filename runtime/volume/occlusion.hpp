@@ -5,11 +5,9 @@
 // - a transmittance that is 1 from a little below the surface on (tau = D / h + 5/4 within [0, 1]), so that
 //   flat walls do not darken themselves; it reads D well below -h/2, which only the finished field has;
 // - matter too thin to be so deep would then let light through. In its middle the field has a ridge, where
-// the
-//   central differences of D are short: the less |grad D| is than 1, the deeper D counts there;
+//   the central differences of D are short: the less |grad D| is than 1, the deeper D counts there;
 // - as the vertices beside a wall are still half in its shade, the result of a voxel near the surface is
-// taken
-//   a little off it, along the normal.
+//   taken a little off it, along the normal.
 #pragma once
 
 #include <array>
@@ -20,15 +18,19 @@
 
 namespace dfield::runtime::volume {
 
-// Weights of a sweep's x, y and z neighbours in equation 6; the direction they collapse onto is theirs.
+// An ordinate's direction by its x, y and z within the octant, their sum being 1.
 struct Ordinate {
     float x, y, z;
 };
 constexpr std::size_t kMaxOrdinates = 6;  // an octant
-// `count`: 1, 3 or 6. One is the paper's, 1/3 each. Six are all permutations of one triple of weights. Three
-// are its cyclic ones, turned the other way round in neighbouring octants: the 24 directions of all octants
-// then are the corners of a snub cube, spread more evenly than three mirror images would be.
+// `count`: 1, 3 or 6. One is the paper's, 1/3 each. Six are all permutations of one triple. Three are its
+// cyclic ones, turned the other way round in neighbouring octants: the 24 directions of all octants then are
+// the corners of a snub cube, spread more evenly than three mirror images would be.
 std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t count);
+// The weights of the x, y and z neighbours in equation 6 with which a field collapses onto this direction:
+// upwind differences of w . grad V = 0. Sum 1; where the spacing is the same everywhere, the direction
+// itself.
+Ordinate weights_of(const Ordinate& direction, const Grid& grid);
 
 constexpr float kPaperShift = 0.5f, kImprovedShift = 1.25f;  // of the transmittance, equation 7 and mended
 constexpr float kImprovedThin = 0.7f;    // h by which D counts deeper where its gradient is 0

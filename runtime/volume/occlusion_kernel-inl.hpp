@@ -43,7 +43,8 @@ struct OrdinateSweep {
     // the same for both.
     std::int16_t* below = nullptr;
     std::int16_t* border = nullptr;
-    std::array<Ordinate, kMaxOrdinates> ordinates{};
+    std::array<Ordinate, kMaxOrdinates> ordinates{}, weights{};  // as weights_of()
+    bool cubic = true;                                           // the weights are the ordinates
     Sweep direction{};
     float weight = 1;  // of the geometry term, 1 at most
     bool lit = false;  // intensities other than 1
@@ -53,7 +54,7 @@ struct OrdinateSweep {
 // What a kernel is made for: an evenly lit visibility volume alone, octants alone, or anything.
 enum class Wanted { kVisibility, kOctants, kAnything };
 
-template<bool kUpward, std::size_t kOrdinates, Wanted kWanted>
+template<bool kUpward, std::size_t kOrdinates, Wanted kWanted, bool kCubic>
 class OrdinateKernel {
   public:
     HWY_INLINE explicit OrdinateKernel(const OrdinateSweep& sweep)
@@ -65,15 +66,15 @@ class OrdinateKernel {
           leaves_(kRows - 1 - enters_ + direction_),
           through_(hn::Set(I16(), sweep.through ? -1 : 0)),
           lit_(hn::Set(I16(), sweep.lit ? kOne : 0)) {
-        float scale = 0;
-        for (std::size_t t = 0; t < kTriples; ++t) {
-            const Ordinate& w = sweep.ordinates[3 * t];
-            const float weights[3] = {w.x, w.y, w.z};
-            const float length = std::sqrt(w.x * w.x + w.y * w.y + w.z * w.z);
-            for (std::size_t i = 0; i < 3; ++i) weight_[t][i] = fixed(weights[i]);
-            // The same for all. A normal's byte is in the upper half of 16 bits: 128 would be 1.
-            scale = -sweep.weight * 128 / (kNormalScale * length);
+        for (std::size_t i = 0; i < kSets; ++i) {
+            const std::size_t o = kCubic ? 3 * i : i;
+            set_parts(parts_[i], sweep.ordinates[o]);
+            if constexpr (!kCubic) set_parts(weights_[i], sweep.weights[o]);
         }
+        // Of the same length, all of them. A normal's byte is in the upper half of 16 bits: 128 would be 1.
+        const Ordinate& any = sweep.ordinates[0];
+        const float length = std::sqrt(any.x * any.x + any.y * any.y + any.z * any.z);
+        const float scale = -sweep.weight * 128 / (kNormalScale * length);
         scale_x_ = fixed(scale * static_cast<float>(sweep.direction.x));
         scale_y_ = fixed(scale * static_cast<float>(sweep.direction.y));
         scale_z_ = fixed(scale * static_cast<float>(sweep.direction.z));
@@ -91,12 +92,30 @@ class OrdinateKernel {
   private:
     static constexpr std::ptrdiff_t kN = kLanes, kRows = kPairRows, kS = kSlices;
     static constexpr bool kSums = kWanted != Wanted::kOctants, kBytes = kWanted != Wanted::kVisibility;
-    // Ordinates come in threes, the cyclic permutations of one: few weights have to stay in registers.
-    static constexpr std::size_t kTriples = (kOrdinates + 2) / 3;
+    // Ordinates come in threes, the cyclic permutations of one: few of them have to stay in registers. Where
+    // spacings differ the weights are other numbers, different for each.
+    static constexpr std::size_t kSets = kCubic ? (kOrdinates + 2) / 3 : kOrdinates;
 
     static HWY_INLINE VH fixed(float value) {
         return hn::Set(
             I16(), static_cast<std::int16_t>(std::lround(std::clamp(value * 32768, -32767.0f, 32767.0f))));
+    }
+    static HWY_INLINE void set_parts(VH (&parts)[3], const Ordinate& of) {
+        parts[0] = fixed(of.x);
+        parts[1] = fixed(of.y);
+        parts[2] = fixed(of.z);
+    }
+    HWY_INLINE VH part(std::size_t ordinate, std::size_t axis) const {
+        if constexpr (kCubic)
+            return parts_[ordinate / 3][(3 - ordinate % 3 + axis) % 3];
+        else
+            return parts_[ordinate][axis];
+    }
+    HWY_INLINE VH weight(std::size_t ordinate, std::size_t axis) const {
+        if constexpr (kCubic)
+            return part(ordinate, axis);
+        else
+            return weights_[ordinate][axis];
     }
     static HWY_INLINE VH multiply(VH a, VH b) {
         return hn::MulFixedPoint15(a, b);
@@ -133,19 +152,17 @@ class OrdinateKernel {
             const VH dx = dark_[p][o], dy = order_.previous_row(dx, border - leaves_ * kS * kCount,
                                                                 border - enters_ * kS * kCount);
             const VH dz = p > 0 ? dark_[p > 0 ? p - 1 : 0][o] : hn::Load(i16, below);
-            const std::size_t triple = o / 3, x = (3 - o % 3) % 3, y = (x + 1) % 3, z = (x + 2) % 3;
             // Equation 6 for u = 1 - V, the weights' sum being 1: roundings leave it in [0, 1]. And
             // 1 - V tau = u + (1 - tau) (1 - u).
-            const VH u = hn::Add(hn::Add(dz, multiply(weight_[triple][x], hn::Sub(dx, dz))),
-                                 multiply(weight_[triple][y], hn::Sub(dy, dz)));
+            const VH u = hn::Add(hn::Add(dz, multiply(weight(o, 0), hn::Sub(dx, dz))),
+                                 multiply(weight(o, 1), hn::Sub(dy, dz)));
             const VH v = hn::Sub(hn::Set(i16, kOne), u);
             dark_[p][o] = hn::Add(u, multiply(opacity, v));
             if (p == kS - 1) hn::Store(dark_[p][o], i16, below);
             if constexpr (kBytes) mean = hn::Add(mean, multiply(v, hn::Set(i16, kOne / kOrdinates)));
             if constexpr (kSums) {
-                const VH cosine =
-                    hn::Add(hn::Add(multiply(weight_[triple][x], nx), multiply(weight_[triple][y], ny)),
-                            multiply(weight_[triple][z], nz));
+                const VH cosine = hn::Add(hn::Add(multiply(part(o, 0), nx), multiply(part(o, 1), ny)),
+                                          multiply(part(o, 2), nz));
                 if constexpr (kWanted == Wanted::kVisibility) {
                     sum = hn::SaturatedAdd(sum, multiply(hn::Max(cosine, hn::Zero(i16)), u));
                 } else {
@@ -168,7 +185,8 @@ class OrdinateKernel {
     const HalvesOrder<kUpward> order_;
     const std::ptrdiff_t direction_, start_, enters_, leaves_;  // as GroupKernel's
     const VH through_, lit_;
-    VH weight_[kTriples][3];          // ordinate o of a triple has them from -o on, cyclically
+    VH parts_[kSets][3];  // where cubic, ordinate o of three has them from -o on, cyclically
+    VH weights_[kCubic ? 1 : kSets][3];
     VH scale_x_, scale_y_, scale_z_;  // of the normal's bytes, to the geometry term's weight
     VH dark_[kSlices][kOrdinates];
     SliceBytes bytes_[2];
@@ -176,12 +194,14 @@ class OrdinateKernel {
 
 template<bool kUpward, std::size_t kOrdinates>
 void sweep_ordinates(const OrdinateSweep& sweep) {
-    if (!sweep.sum)
-        OrdinateKernel<kUpward, kOrdinates, Wanted::kOctants>(sweep).run();
+    if (!sweep.cubic)
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kAnything, false>(sweep).run();
+    else if (!sweep.sum)
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kOctants, true>(sweep).run();
     else if (sweep.visibility[0] || sweep.lit || sweep.through)
-        OrdinateKernel<kUpward, kOrdinates, Wanted::kAnything>(sweep).run();
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kAnything, true>(sweep).run();
     else
-        OrdinateKernel<kUpward, kOrdinates, Wanted::kVisibility>(sweep).run();
+        OrdinateKernel<kUpward, kOrdinates, Wanted::kVisibility, true>(sweep).run();
 }
 
 #endif

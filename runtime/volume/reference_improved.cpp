@@ -20,6 +20,12 @@ std::array<Ordinate, kMaxOrdinates> ordinates_of(std::size_t octant, std::size_t
     return result;
 }
 
+Ordinate weights_of(const Ordinate& direction, const Grid& grid) {
+    const Ordinate per{direction.x / grid.hx, direction.y / grid.hy, direction.z / grid.hz};
+    const float sum = per.x + per.y + per.z;
+    return {per.x / sum, per.y / sum, per.z / sum};
+}
+
 namespace {
 
 // The last mend: `swept`, a visibility with the gradient as normal, taken where each voxel near the surface
@@ -76,7 +82,9 @@ void sweep_occlusion_reference(const OcclusionJob& job) {
         const auto ordinates = ordinates_of(s, job.ordinates);
         for (std::size_t o = 0; o < job.ordinates; ++o) {
             const Ordinate& w = ordinates[o];
-            reference::sweep_visibility(grid, kSweeps[s], {w.x, w.y, w.z}, tau.data(), fields.data());
+            const Ordinate weights = weights_of(w, grid);
+            reference::sweep_visibility(grid, kSweeps[s], {weights.x, weights.y, weights.z}, tau.data(),
+                                        fields.data());
             const glm::vec3 towards = -glm::normalize(glm::vec3(static_cast<float>(kSweeps[s].x) * w.x,
                                                                 static_cast<float>(kSweeps[s].y) * w.y,
                                                                 static_cast<float>(kSweeps[s].z) * w.z));

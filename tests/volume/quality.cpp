@@ -24,6 +24,7 @@ std::vector<float> surface_points(const Swept& swept, std::size_t wanted) {
                     if (std::signbit(a) == std::signbit(b)) continue;
                     float point[3] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
                     point[axis] += a / (a - b);
+                    for (int i = 0; i < 3; ++i) point[i] *= swept.grid.spacing[i];
                     all.insert(all.end(), point, point + 3);
                 }
     const std::size_t step = std::max<std::size_t>(1, all.size() / 3 / wanted);
@@ -93,4 +94,16 @@ TEST_CASE("Vessels: matter a few voxels thick holds its light back", "[volume]")
     const Quality q = quality_of(models::vessels_volume({128, 128, 128}, 1));
     CHECK(q.improved24 < 0.06);
     CHECK(q.improved48 < q.improved24);
+}
+
+TEST_CASE("Voxels longer along some axes are lit alike", "[volume]") {
+    const auto dense = models::gyroid_volume({128, 128, 128}, 3);
+    models::ScalarVolume sparse{{43, 43, 128}, {3, 3, 1}, {}};
+    for (std::uint32_t z = 0; z < 128; ++z)
+        for (std::uint32_t y = 0; y < 43; ++y)
+            for (std::uint32_t x = 0; x < 43; ++x)
+                sparse.values.push_back(dense.values[dense.index(3 * x, 3 * y, z)]);
+    const Quality q = quality_of(sparse);
+    CHECK(q.improved24 < 0.045);
+    CHECK(q.improved24 < q.paper);
 }
