@@ -1,26 +1,8 @@
 #include "format/occlusion_volume.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
+#include "format/octahedral.hpp"
 
 namespace dfield {
-
-glm::vec2 octahedral_place(const glm::vec3& direction) {
-    const glm::vec3 p =
-        direction / (std::fabs(direction.x) + std::fabs(direction.y) + std::fabs(direction.z));
-    if (p.z >= 0) return {p.x, p.y};
-    return {std::copysign(1 - std::fabs(p.y), p.x), std::copysign(1 - std::fabs(p.x), p.y)};
-}
-
-glm::vec3 octahedral_direction(const glm::vec2& place) {
-    glm::vec3 p(place.x, place.y, 1 - std::fabs(place.x) - std::fabs(place.y));
-    if (p.z < 0) {
-        p.x = std::copysign(1 - std::fabs(place.y), place.x);
-        p.y = std::copysign(1 - std::fabs(place.x), place.y);
-    }
-    return glm::normalize(p);
-}
 
 glm::vec3 far_direction(std::uint32_t far_size, std::uint32_t s, std::uint32_t t) {
     const float scale = 2.0f / static_cast<float>(far_size - 1);

@@ -63,11 +63,6 @@ struct OcclusionVolume {
     }
 };
 
-// Unit vectors on the octahedral map's square [-1, 1]^2: the octahedron |x| + |y| + |z| = 1, z < 0 unfolded
-// outwards.
-glm::vec2 octahedral_place(const glm::vec3& direction);
-glm::vec3 octahedral_direction(const glm::vec2& place);
-
 // The direction of node (s, t). Nodes on the map's rim that stand for one direction have the same ball.
 glm::vec3 far_direction(std::uint32_t far_size, std::uint32_t s, std::uint32_t t);
 

@@ -107,9 +107,7 @@ void add_volume_compare_command(CLI::App& volume) {
                      "Points of the surface, evenly chosen among where it crosses the grid's edges")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000000000));
-    compare->add_option("--repetitions", command->repetitions, "Timed runs of each form; the fastest counts")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
+    add_repetitions_option(*compare, command->repetitions, "Timed runs of each form; the fastest counts");
     add_common_options(*compare, command->common, "1");
     compare->footer(
         "Errors are of visibility, 0 to 1, found minus truth. The truth is Monte Carlo: rays marched in the "

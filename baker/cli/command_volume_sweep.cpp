@@ -168,11 +168,8 @@ void add_volume_sweep_command(CLI::App& volume) {
     sweep->add_option("--octant-volume", command->octants_file,
                       "Also write the visibility of each octant, 255 = open: 8 u8 components");
     sweep->add_flag("--gzip", command->gzip, "Compress what is written; ParaView reads raw voxels only");
-    sweep
-        ->add_option("--repetitions", command->repetitions,
-                     "--json: runs with and without occlusion; the fastest count")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
+    add_repetitions_option(*sweep, command->repetitions,
+                           "--json: runs with and without occlusion; the fastest count");
     add_common_options(*sweep, command->common, "all cores");
     sweep->footer(
         "Octant 0..7 is the sky in the directions whose x along the grid's own axes is positive if bit 0 is "

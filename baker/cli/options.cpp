@@ -101,6 +101,10 @@ void add_json_option(CLI::App& command, std::string& target, const std::string& 
         });
 }
 
+void add_repetitions_option(CLI::App& command, int& repetitions, const std::string& what) {
+    command.add_option("--repetitions", repetitions, what)->capture_default_str()->check(CLI::Range(1, 1000));
+}
+
 void add_common_options(CLI::App& command, CommonOptions& options, const std::string& threads_default) {
     command.add_option("--threads", options.threads, "Threads; results do not depend on it")
         ->default_str(threads_default)

@@ -21,6 +21,9 @@ void add_field_options(CLI::App& command, FieldParameters& parameters);
 // --json: `what` as it stands in the help. Throws OutputError in parsing where no file can be written.
 void add_json_option(CLI::App& command, std::string& target, const std::string& what);
 
+// --repetitions, 1..1000: `what` as it stands in the help.
+void add_repetitions_option(CLI::App& command, int& repetitions, const std::string& what);
+
 // --threads, --json, --quiet
 struct CommonOptions {
     int threads = 0;

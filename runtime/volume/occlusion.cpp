@@ -33,34 +33,42 @@ class OcclusionSweeps {
           shape_(job.grid, kLanes, 2 * pair_.groups, kSlices + kLanes),
           lit_(std::any_of(job.intensities.begin(), job.intensities.end(), [](float i) { return i != 1; })),
           brightest_(*std::max_element(job.intensities.begin(), job.intensities.end())),
-          pipeline_(job.context, slabs(), {kSlices, 1, 1, 1, 1, kSlices, kSlices}),
+          pipeline_(job.context, slabs(),
+                    {{{kSlices, false},
+                      {pair_.groups, true},
+                      {pair_.groups, true},
+                      {pair_.groups, true},
+                      {pair_.groups, true},
+                      {kSlices, false},
+                      {kSlices, true}}}),
           off_surface_(job.grid, job.distance) {
         dfield_context* const context = job.context;
-        const std::size_t ring = pipeline_.ring();
+        const std::size_t workers = pipeline_.workers();
         for (std::size_t i = 0; i < 2; ++i) {
-            vertices_[i] = Buffer<std::uint32_t>(context, ring * shape_.slab_floats(), kOpenVertex);
-            if (has_sums()) sums_[i] = Buffer<std::int16_t>(context, ring * 2 * pair_.slab_floats());
+            vertices_[i] = Buffer<std::uint32_t>(context, workers * shape_.slab_floats(), kOpenVertex);
+            if (has_sums()) sums_[i] = Buffer<std::int16_t>(context, workers * 2 * pair_.slab_floats());
         }
-        if (moves()) swept_ = Buffer<float>(context, kKept * grid_.nx * grid_.ny);
+        if (moves()) swept_ = Buffer<float>(context, kept_slices() * grid_.nx * grid_.ny);
         below_ = Buffer<std::int16_t>(context, 4 * job.ordinates * 2 * pair_.layer());
-        border_ = Buffer<std::int16_t>(context, 4 * job.ordinates * kSlices * border_size());
-        rows_ = Buffer<float>(context, workers() * kRowSets * kLanes * shape_.row_stride, 0.0f);
-        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * ring * shape_.layer(), 0);
+        border_ = Buffer<std::int16_t>(context, workers * job.ordinates * kSlices * border_size());
+        rows_ = Buffer<float>(context, workers * kRowSets * kLanes * shape_.row_stride, 0.0f);
+        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * workers * shape_.layer(), 0);
     }
 
     void run() {
         for (const bool down : {false, true}) {
             down_ = down;
             std::fill_n(below_.get(), 4 * job_.ordinates * 2 * pair_.layer(), std::int16_t{0});
-            pipeline_.run([this](std::size_t stage, std::size_t slab, std::size_t part) {
+            pipeline_.run([this](std::size_t worker, std::size_t slab, std::size_t stage, std::size_t index) {
+                const Step step{worker, slab, index};
                 if (stage == kLoad)
-                    load(slab, part);
+                    load(step);
                 else if (stage == kStore)
-                    store(slab, part);
+                    store(step);
                 else if (stage != kMove)
-                    sweep(slab, stage - kSweep0);
+                    sweep(step, stage - kSweep0);
                 else if (down_ && moves())
-                    move(slab, part);
+                    move(step);
             });
         }
     }
@@ -69,46 +77,48 @@ class OcclusionSweeps {
     static constexpr std::size_t kRowSets = 4;
     // Before x = 0 and after x = nx - 1 of what a pair leaves for the next: its rows' skew and a slice's lag.
     static constexpr std::size_t kBorderPad = kPairRows + 2 * kSlices;
-    // Slices of swept visibility that wait to be moved off the surface, by the order in which the second pass
-    // meets them: a slab is moved with the slices around it while the next one may be stored.
-    static constexpr std::size_t kKept = 3 * kSlices;
     static_assert(2 * OffSurface::kReach <= kSlices);
+
+    struct Step {
+        std::size_t worker, slab, index;  // of a slice of the slab, or of a pair of groups in a sweep's order
+    };
 
     std::size_t slabs() const { return (job_.grid.nz + kSlices - 1) / kSlices; }
     // The kernel for spacings that differ always makes sums.
     bool has_sums() const { return job_.visibility || !grid_.isotropic(); }
     bool moves() const { return job_.visibility && job_.off_surface; }
-    float* kept(std::size_t z) const { return swept_ + (grid_.nz - 1 - z) % kKept * grid_.nx * grid_.ny; }
-
-    std::size_t workers() const { return pipeline_.parallel() ? 2 * kSlices : 1; }
-    std::size_t border_size() const { return grid_.nx + 2 * kBorderPad; }
-    float* rows_of(Stage stage, std::size_t part) const {
-        const std::size_t worker = pipeline_.parallel() ? (stage == kLoad ? 0 : kSlices) + part : 0;
-        return rows_ + worker * kRowSets * kLanes * shape_.row_stride + Shape::kPad;
+    // Slices of swept visibility that wait to be moved off the surface, by the order in which the second pass
+    // meets them: a slab is moved with the one before, while other workers store the next ones.
+    std::size_t kept_slices() const { return (pipeline_.workers() + 1) * kSlices; }
+    float* kept(std::size_t z) const {
+        return swept_ + (grid_.nz - 1 - z) % kept_slices() * grid_.nx * grid_.ny;
     }
-    std::size_t slice_of(std::size_t slab, std::size_t part) const {
-        const std::size_t k = slab * kSlices + part;
+    std::size_t border_size() const { return grid_.nx + 2 * kBorderPad; }
+    float* rows_of(const Step& step) const {
+        return rows_ + step.worker * kRowSets * kLanes * shape_.row_stride + Shape::kPad;
+    }
+    std::size_t slice_of(std::size_t slab, std::size_t slice) const {
+        const std::size_t k = slab * kSlices + slice;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
-    std::size_t offset_of(std::size_t slab) const { return slab % pipeline_.ring() * shape_.slab_floats(); }
+    std::size_t offset_of(const Step& step) const { return step.worker * shape_.slab_floats(); }
     std::size_t octant_of(std::size_t index) const { return (down_ ? 4 : 0) + index; }
-    std::uint32_t* words_of(std::size_t slab, std::size_t group, std::size_t index) const {
-        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * shape_.layer() +
-               shape_.at(0, group);
+    std::uint32_t* words_of(const Step& step, std::size_t group, std::size_t index) const {
+        return visibility_ + (4 * step.worker + index) * shape_.layer() + shape_.at(0, group);
     }
     // Vector 0 of a pair in a slice.
-    std::int16_t* sums_of(Skew skew, std::size_t slab, std::size_t slice, std::size_t pair) const {
+    std::int16_t* sums_of(Skew skew, const Step& step, std::size_t slice, std::size_t pair) const {
         return sums_[static_cast<std::size_t>(skew)] +
-               2 * (slab % pipeline_.ring() * pair_.slab_floats() + pair_.at(slice, pair));
+               2 * (step.worker * pair_.slab_floats() + pair_.at(slice, pair));
     }
     // A pair's rows are skewed as one: by so many vectors do its lower (0) and upper (1) group's come after.
     static std::size_t lag_of(Skew skew, std::size_t half) {
         return half == (skew == Skew::kFalling ? 1 : 0) ? kLanes : 0;
     }
 
-    void load(std::size_t slab, std::size_t part) {
-        const std::size_t z = slice_of(slab, part);
-        float* const rows = rows_of(kLoad, part);
+    void load(const Step& step) {
+        const std::size_t z = slice_of(step.slab, step.index);
+        float* const rows = rows_of(step);
         for (std::size_t group = 0; group < shape_.groups; ++group) {
             for (std::size_t l = 0; l < kLanes; ++l) {
                 const std::size_t y = group * kLanes + l;
@@ -120,7 +130,7 @@ class OcclusionSweeps {
                 else
                     load_row(y, z, row);
             }
-            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
             for (const Skew skew : {Skew::kFalling, Skew::kRising})
                 skew_rows(shape_, skew, rows,
                           reinterpret_cast<float*>(vertices_[static_cast<std::size_t>(skew)] + at));
@@ -171,19 +181,19 @@ class OcclusionSweeps {
         return false;
     }
 
-    void sweep(std::size_t slab, std::size_t index) {
+    void sweep(const Step& step, std::size_t index) {
         if (!is_swept(index)) return;
         const float intensity = job_.intensities[octant_of(index)];
         if (job_.ordinates == 1)
-            sweep_rows<1>(slab, index, intensity);
+            sweep_rows<1>(step, index, intensity);
         else if (job_.ordinates == 3)
-            sweep_rows<3>(slab, index, intensity);
+            sweep_rows<3>(step, index, intensity);
         else
-            sweep_rows<6>(slab, index, intensity);
+            sweep_rows<6>(step, index, intensity);
     }
 
     template<std::size_t kOrdinates>
-    void sweep_rows(std::size_t slab, std::size_t index, float intensity) {
+    void sweep_rows(const Step& step, std::size_t index, float intensity) {
         const std::size_t octant = octant_of(index);
         const Skew skew = skew_of(octant);
         OrdinateSweep s;
@@ -193,8 +203,9 @@ class OcclusionSweeps {
         s.vertices_stride = static_cast<std::ptrdiff_t>(shape_.layer());
         s.sum_stride = static_cast<std::ptrdiff_t>(2 * pair_.layer());
         constexpr std::size_t kLeft = kOrdinates * kSlices;
-        std::int16_t* const border = border_ + static_cast<std::ptrdiff_t>(index * kLeft * border_size());
-        std::fill_n(border, kLeft * border_size(), std::int16_t{0});
+        std::int16_t* const border =
+            border_ + static_cast<std::ptrdiff_t>(step.worker * kLeft * border_size());
+        if (step.index == 0) std::fill_n(border, kLeft * border_size(), std::int16_t{0});
         s.border = border + kLeft * kBorderPad;
         s.ordinates = ordinates_of(octant, kOrdinates);
         for (std::size_t i = 0; i < kOrdinates; ++i) s.weights[i] = weights_of(s.ordinates[i], grid_);
@@ -205,45 +216,43 @@ class OcclusionSweeps {
         s.through = job_.through;
         s.first = index == 0 || !has_sums(skew, index - 1);
         const bool upward = s.direction.y > 0;
-        for (std::size_t i = 0; i < pair_.groups; ++i) {
-            const std::size_t pair = upward ? i : pair_.groups - 1 - i;
-            for (std::size_t half = 0; half < 2; ++half) {
-                const std::size_t group = 2 * pair + half, lag = lag_of(skew, half) * kLanes;
-                s.vertices[half] = vertices_[static_cast<std::size_t>(skew)].get() + offset_of(slab) +
-                                   shape_.at(0, group) - lag;
-                if (visibility_) s.visibility[half] = words_of(slab, group, index) - lag;
-            }
-            if (has_sums()) s.sum = sums_of(skew, slab, 0, pair);
-            s.below = below_ + static_cast<std::ptrdiff_t>(2 * kOrdinates *
-                                                           (index * pair_.layer() + pair_.at(0, pair)));
-            if (upward)
-                sweep_ordinates<true, kOrdinates>(s);
-            else
-                sweep_ordinates<false, kOrdinates>(s);
+        const std::size_t pair = upward ? step.index : pair_.groups - 1 - step.index;
+        for (std::size_t half = 0; half < 2; ++half) {
+            const std::size_t group = 2 * pair + half, lag = lag_of(skew, half) * kLanes;
+            s.vertices[half] =
+                vertices_[static_cast<std::size_t>(skew)].get() + offset_of(step) + shape_.at(0, group) - lag;
+            if (visibility_) s.visibility[half] = words_of(step, group, index) - lag;
         }
+        if (has_sums()) s.sum = sums_of(skew, step, 0, pair);
+        s.below = below_ +
+                  static_cast<std::ptrdiff_t>(2 * kOrdinates * (index * pair_.layer() + pair_.at(0, pair)));
+        if (upward)
+            sweep_ordinates<true, kOrdinates>(s);
+        else
+            sweep_ordinates<false, kOrdinates>(s);
     }
 
-    void store(std::size_t slab, std::size_t part) {
+    void store(const Step& step) {
         if (visibility_)
-            for (std::size_t group = part; group * kLanes < grid_.ny; group += kSlices) {
+            for (std::size_t group = step.index; group * kLanes < grid_.ny; group += kSlices) {
                 OctantWords from{};
                 from.group = group;
                 for (std::size_t i = 0; i < 4; ++i) {
                     from.octants[i] = octant_of(i);
-                    from.words[i] = words_of(slab, group, i);
-                    from.slices[i] = slice_of(slab, i);
+                    from.words[i] = words_of(step, group, i);
+                    from.slices[i] = slice_of(step.slab, i);
                 }
-                store_octants(grid_, shape_, from, rows_of(kStore, part), job_.octants);
+                store_octants(grid_, shape_, from, rows_of(step), job_.octants);
             }
-        const std::size_t z = slice_of(slab, part);
+        const std::size_t z = slice_of(step.slab, step.index);
         if (z == grid_.nz || !job_.visibility) return;
-        float* const rows = rows_of(kStore, part);
+        float* const rows = rows_of(step);
         float* const rising = rows + kLanes * shape_.row_stride;
         for (std::size_t group = 0; group * kLanes < grid_.ny; ++group) {
             for (const Skew skew : {Skew::kFalling, Skew::kRising}) {
                 float* const to = skew == Skew::kFalling ? rows : rising;
                 if (has_sums(skew, 3))
-                    unskew_sums(skew, slab, part, group, to);
+                    unskew_sums(skew, step, group, to);
                 else
                     std::fill_n(to - Shape::kPad, kLanes * shape_.row_stride, 0.0f);
             }
@@ -257,11 +266,11 @@ class OcclusionSweeps {
     }
 
     // A group's sums, in rows.
-    void unskew_sums(Skew skew, std::size_t slab, std::size_t slice, std::size_t group, float* rows) const {
+    void unskew_sums(Skew skew, const Step& step, std::size_t group, float* rows) const {
         const I32 i32;
         const std::size_t half = group % 2;
         const auto* const sums =
-            reinterpret_cast<const std::int32_t*>(sums_of(skew, slab, slice, group / 2)) +
+            reinterpret_cast<const std::int32_t*>(sums_of(skew, step, step.index, group / 2)) +
             lag_of(skew, half) * kLanes;
         const VF scale = hn::Set(F(), brightest_ / kOne);
         unskew_rows(
@@ -288,10 +297,11 @@ class OcclusionSweeps {
     }
 
     // The slices that the second pass met kReach before this slab's, which now have all their neighbours.
-    void move(std::size_t slab, std::size_t part) const {
-        const std::size_t met = slab * kSlices + part;
+    void move(const Step& step) const {
+        const std::size_t met = step.slab * kSlices + step.index;
         if (met >= OffSurface::kReach) move_slice(met - OffSurface::kReach);
-        if (slab + 1 == slabs() && part < OffSurface::kReach) move_slice(met + kSlices - OffSurface::kReach);
+        if (step.slab + 1 == slabs() && step.index < OffSurface::kReach)
+            move_slice(met + kSlices - OffSurface::kReach);
     }
     void move_slice(std::size_t met) const {
         if (met >= grid_.nz) return;

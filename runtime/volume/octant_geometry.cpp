@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include "format/octahedral.hpp"
+
 namespace dfield::runtime::volume {
 namespace {
 
@@ -60,37 +62,22 @@ OctantTerms octant_geometry_through(const glm::vec3& normal) {
     return front;
 }
 
-namespace {
-
-// Octahedral map: the octahedron |x| + |y| + |z| = 1 unfolded onto the square [-1, 1]^2.
-glm::vec2 fold(const glm::vec3& normal) {
-    const glm::vec3 p = normal / (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
-    if (p.z >= 0) return {p.x, p.y};
-    return {std::copysign(1 - std::abs(p.y), p.x), std::copysign(1 - std::abs(p.x), p.y)};
-}
-
-glm::vec3 unfold(const glm::vec2& square) {
-    glm::vec3 p(square.x, square.y, 1 - std::abs(square.x) - std::abs(square.y));
-    if (p.z < 0) {
-        p.x = std::copysign(1 - std::abs(square.y), square.x);
-        p.y = std::copysign(1 - std::abs(square.x), square.y);
-    }
-    return glm::normalize(p);
-}
-
-}  // namespace
-
 OctantTable::OctantTable() {
     nodes_.reserve(kNodes * kNodes);
     constexpr float kStep = 2.0f / (kNodes - 1);
     for (std::size_t j = 0; j < kNodes; ++j)
         for (std::size_t i = 0; i < kNodes; ++i)
-            nodes_.push_back(octant_geometry(
-                unfold({-1 + static_cast<float>(i) * kStep, -1 + static_cast<float>(j) * kStep})));
+            nodes_.push_back(octant_geometry(octahedral_direction(
+                {-1 + static_cast<float>(i) * kStep, -1 + static_cast<float>(j) * kStep})));
+}
+
+const OctantTable& OctantTable::shared() {
+    static const OctantTable table;
+    return table;
 }
 
 OctantTerms OctantTable::operator()(const glm::vec3& normal) const {
-    const glm::vec2 at = (fold(normal) + 1.0f) * (0.5f * (kNodes - 1));
+    const glm::vec2 at = (octahedral_place(normal) + 1.0f) * (0.5f * (kNodes - 1));
     const glm::vec2 low = glm::clamp(glm::floor(at), glm::vec2(0), glm::vec2(kNodes - 2)), f = at - low;
     const OctantTerms* const node =
         &nodes_[static_cast<std::size_t>(low.y) * kNodes + static_cast<std::size_t>(low.x)];

@@ -23,6 +23,8 @@ class OctantTable {
     static constexpr std::size_t kNodes = 49;  // an edge; within kError of the closed form
     static constexpr float kError = 0.01f;
     OctantTable();
+    // Made on the first call, for all threads: the same answers for one point and for a million.
+    static const OctantTable& shared();
     OctantTerms operator()(const glm::vec3& normal) const;
 
   private:

@@ -36,30 +36,36 @@ class DistanceSweeps {
           shape_(job.grid),
           load_row_(load_row_of(job.samples.type)),
           pipeline_(job.context, (job.grid.nz + kSlices - 1) / kSlices,
-                    {kSlices, 1, 1, kSlices, 1, 1, kSlices}) {
+                    {{{kSlices, false},
+                      {shape_.groups, true},
+                      {shape_.groups, true},
+                      {kSlices, false},
+                      {shape_.groups, true},
+                      {shape_.groups, true},
+                      {kSlices, false}}}) {
         const std::size_t slab = shape_.slab_floats(), layer = shape_.slice_stride * kLanes;
         const bool light = job.carried != Carried::kNone;
         dfield_context* const context = job.context;
-        distance_ = Buffer<float>(context, pipeline_.ring() * slab, -kFar);
+        distance_ = Buffer<float>(context, workers() * slab, -kFar);
         below_ = Buffer<float>(context, 4 * layer);
-        border_ = Buffer<float>(context, 4 * kSlices * row());
+        border_ = Buffer<float>(context, workers() * kSlices * row());
         rows_ = Buffer<float>(context, workers() * row_sets() * kLanes * shape_.row_stride, -kFar);
         samples_ = Buffer<float>(context, workers() * kSampleRows * row());
         if (light) {
             dark_below_ = Buffer<float>(context, 4 * layer);
-            dark_border_ = Buffer<float>(context, 4 * kSlices * row());
+            dark_border_ = Buffer<float>(context, workers() * kSlices * row());
         }
         if (job.carried == Carried::kOctants)
-            visibility_ = Buffer<std::uint32_t>(context, 4 * pipeline_.ring() * layer, 0);
-        if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, pipeline_.ring() * slab, 0);
+            visibility_ = Buffer<std::uint32_t>(context, 4 * workers() * layer, 0);
+        if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, workers() * slab, 0);
     }
 
     SweepResult run() {
         for (down_ = false;; down_ = true) {
             std::fill_n(below_.get(), 4 * shape_.slice_stride * kLanes, kFar);
             if (dark_below_) std::fill_n(dark_below_.get(), 4 * shape_.slice_stride * kLanes, 0.0f);
-            pipeline_.run([this](std::size_t stage, std::size_t slab, std::size_t part) {
-                run_part(stage, slab, part);
+            pipeline_.run([this](std::size_t worker, std::size_t slab, std::size_t stage, std::size_t step) {
+                run_step({worker, slab, step}, stage);
             });
             if (!finite_.load(std::memory_order_relaxed)) return SweepResult::kNotFinite;
             if (down_) return SweepResult::kDone;
@@ -69,48 +75,47 @@ class DistanceSweeps {
   private:
     static constexpr std::size_t kSampleRows = 5;  // three rows of a slice, one of each beside it
 
-    static std::size_t first_worker(std::size_t stage) {
-        return stage == kLoad ? 0 : stage == kTurn ? kSlices : 2 * kSlices;
-    }
-    std::size_t workers() const { return pipeline_.parallel() ? 3 * kSlices : 1; }
+    struct Step {
+        std::size_t worker, slab, index;  // of a slice of the slab, or of a group in a sweep's order
+    };
+    std::size_t workers() const { return pipeline_.workers(); }
     std::size_t row_sets() const { return job_.carried == Carried::kOctants ? 4 : 1; }
     std::size_t row() const { return Shape::row_size(grid_.nx); }
 
-    void run_part(std::size_t stage, std::size_t slab, std::size_t part) {
+    void run_step(const Step& step, std::size_t stage) {
         switch (stage) {
             case kLoad:
-                return load(slab, part);
+                return load(step);
             case kTurn:
-                return turn(slab, part);
+                return turn(step);
             case kStore:
-                return store(slab, part);
+                return store(step);
             default: {
                 const std::size_t index = stage < kTurn ? stage - kSweep0 : stage - kSweep2 + 2;
-                if (grid_.isotropic()) return sweep<UnitEikonal>(slab, index);
-                return sweep<Eikonal>(slab, index);
+                if (grid_.isotropic()) return sweep<UnitEikonal>(step, index);
+                return sweep<Eikonal>(step, index);
             }
         }
     }
 
     std::size_t octant_of(std::size_t index) const { return kSweepOrder[(down_ ? 4 : 0) + index]; }
-    // The slice that part `part` of a slab is in this pass, or nz where there is none.
-    std::size_t slice_of(std::size_t slab, std::size_t part) const {
-        const std::size_t k = slab * kSlices + part;
+    // The z of a slab's slice in this pass, or nz where there is none.
+    std::size_t slice_of(std::size_t slab, std::size_t slice) const {
+        const std::size_t k = slab * kSlices + slice;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
-    std::size_t offset_of(std::size_t slab) const { return slab % pipeline_.ring() * shape_.slab_floats(); }
-    // Row buffers of a task: x = 0 of the first row of a set.
-    float* rows_of(std::size_t stage, std::size_t part, std::size_t set = 0) const {
-        const std::size_t worker = pipeline_.parallel() ? first_worker(stage) + part : 0;
-        return rows_ + (row_sets() * worker + set) * kLanes * shape_.row_stride + Shape::kPad;
+    std::size_t offset_of(const Step& step) const { return step.worker * shape_.slab_floats(); }
+    // A worker's row buffers: x = 0 of the first row.
+    float* rows_of(const Step& step) const {
+        return rows_ + row_sets() * step.worker * kLanes * shape_.row_stride + Shape::kPad;
     }
-    float* sample_rows(std::size_t part) const {
-        return samples_ + (pipeline_.parallel() ? part : 0) * kSampleRows * row() + Shape::kPad;
+    float* sample_rows(const Step& step) const {
+        return samples_ + step.worker * kSampleRows * row() + Shape::kPad;
     }
 
-    void load(std::size_t slab, std::size_t part) {
-        const std::size_t z = slice_of(slab, part);
-        float* const rows = rows_of(kLoad, part);
+    void load(const Step& step) {
+        const std::size_t z = slice_of(step.slab, step.index);
+        float* const rows = rows_of(step);
         for (std::size_t group = 0; group < shape_.groups; ++group) {
             for (std::size_t l = 0; l < kLanes; ++l) {
                 const std::size_t y = group * kLanes + l;
@@ -122,10 +127,10 @@ class DistanceSweeps {
                 if (down_)
                     std::copy_n(job_.distance + grid_.index(0, y, z), grid_.nx, row);
                 else
-                    initialise(y, z, sample_rows(part), row);
+                    initialise(y, z, sample_rows(step), row);
             }
             clear_pads(rows);  // the last vectors of rows went beyond them
-            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
             skew_rows(shape_, Skew::kFalling, rows, distance_ + at);
             if (sum_) std::fill_n(sum_ + at, 4 * shape_.blocks * kLanes, 0.0f);
         }
@@ -162,16 +167,16 @@ class DistanceSweeps {
     }
 
     template<class Solver>
-    void sweep(std::size_t slab, std::size_t index) {
+    void sweep(const Step& step, std::size_t index) {
         const std::size_t octant = octant_of(index);
-        if (job_.carried == Carried::kOctants) return sweep_rows<Carried::kOctants, Solver>(slab, index);
+        if (job_.carried == Carried::kOctants) return sweep_rows<Carried::kOctants, Solver>(step, index);
         if (job_.carried == Carried::kCombined && job_.intensities[octant] != 0)
-            return sweep_rows<Carried::kCombined, Solver>(slab, index);
-        return sweep_rows<Carried::kNone, Solver>(slab, index);
+            return sweep_rows<Carried::kCombined, Solver>(step, index);
+        return sweep_rows<Carried::kNone, Solver>(step, index);
     }
 
     template<Carried kCarried, class Solver>
-    void sweep_rows(std::size_t slab, std::size_t index) {
+    void sweep_rows(const Step& step, std::size_t index) {
         const std::size_t octant = octant_of(index);
         const Sweep& direction = kSweeps[octant];
         const Solver solver(grid_);
@@ -180,37 +185,33 @@ class DistanceSweeps {
         s.ascending = direction.x > 0;
         s.slice_stride = static_cast<std::ptrdiff_t>(shape_.slice_stride * kLanes);
         s.border_stride = static_cast<std::ptrdiff_t>(row());
-        s.border = border_ + index * kSlices * row() + Shape::kPad;
-        std::fill_n(s.border - Shape::kPad, kSlices * row(), kFar);
+        s.border = border_ + step.worker * kSlices * row() + Shape::kPad;
+        if (step.index == 0) std::fill_n(s.border - Shape::kPad, kSlices * row(), kFar);
         if constexpr (kCarried != Carried::kNone) {
-            s.dark_border = dark_border_ + index * kSlices * row() + Shape::kPad;
-            std::fill_n(s.dark_border - Shape::kPad, kSlices * row(), 0.0f);
+            s.dark_border = dark_border_ + step.worker * kSlices * row() + Shape::kPad;
+            if (step.index == 0) std::fill_n(s.dark_border - Shape::kPad, kSlices * row(), 0.0f);
             s.intensity = job_.intensities[octant];
+            s.alpha = job_.alpha;
         }
         const bool upward = direction.y > 0;
-        for (std::size_t i = 0; i < shape_.groups; ++i) {
-            const std::size_t group = upward ? i : shape_.groups - 1 - i;
-            const std::size_t at = offset_of(slab) + shape_.at(0, group);
-            const std::size_t layer = index * shape_.slice_stride * kLanes + shape_.at(0, group);
-            s.distance = distance_ + at;
-            s.below = below_ + layer;
-            if constexpr (kCarried != Carried::kNone) {
-                s.alpha = job_.alpha;
-                s.dark_below = dark_below_ + layer;
-            }
-            if constexpr (kCarried == Carried::kOctants) s.visibility = words_of(slab, group, index);
-            if constexpr (kCarried == Carried::kCombined) s.sum = sum_ + at;
-            if (upward)
-                sweep_group<true, kCarried>(s, solver);
-            else
-                sweep_group<false, kCarried>(s, solver);
-        }
+        const std::size_t group = upward ? step.index : shape_.groups - 1 - step.index;
+        const std::size_t at = offset_of(step) + shape_.at(0, group);
+        const std::size_t layer = index * shape_.slice_stride * kLanes + shape_.at(0, group);
+        s.distance = distance_ + at;
+        s.below = below_ + layer;
+        if constexpr (kCarried != Carried::kNone) s.dark_below = dark_below_ + layer;
+        if constexpr (kCarried == Carried::kOctants) s.visibility = words_of(step, group, index);
+        if constexpr (kCarried == Carried::kCombined) s.sum = sum_ + at;
+        if (upward)
+            sweep_group<true, kCarried>(s, solver);
+        else
+            sweep_group<false, kCarried>(s, solver);
     }
 
     // From the layout of sweeps (+,+) and (-,-) to that of (+,-) and (-,+).
-    void turn(std::size_t slab, std::size_t part) {
-        if (slice_of(slab, part) == grid_.nz) return;
-        float* const rows = rows_of(kTurn, part);
+    void turn(const Step& step) {
+        if (slice_of(step.slab, step.index) == grid_.nz) return;
+        float* const rows = rows_of(step);
         const auto turn_one = [&](float* vectors) {
             unskew_rows(
                 shape_, Skew::kFalling,
@@ -220,22 +221,22 @@ class DistanceSweeps {
             skew_rows(shape_, Skew::kRising, rows, vectors);
         };
         for (std::size_t group = 0; group < shape_.groups; ++group) {
-            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
             clear_pads(rows);
             turn_one(distance_ + at);
             if (sum_) turn_one(sum_ + at);
         }
     }
 
-    void store(std::size_t slab, std::size_t part) {
+    void store(const Step& step) {
         if (visibility_)
-            for (std::size_t group = part; group < shape_.groups; group += kSlices)
-                store_group(slab, group, part);
-        const std::size_t z = slice_of(slab, part);
+            for (std::size_t group = step.index; group < shape_.groups; group += kSlices)
+                store_group(step, group);
+        const std::size_t z = slice_of(step.slab, step.index);
         if (z == grid_.nz) return;
-        float* const rows = rows_of(kStore, part);
+        float* const rows = rows_of(step);
         for (std::size_t group = 0; group < shape_.groups; ++group) {
-            const std::size_t at = offset_of(slab) + shape_.at(part, group);
+            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
             const std::size_t count = std::min(kLanes, grid_.ny - group * kLanes);
             const auto vector_of = [](const float* vectors) {
                 return [vectors](std::ptrdiff_t t) HWY_ATTR {
@@ -263,21 +264,20 @@ class DistanceSweeps {
         }
     }
 
-    void store_group(std::size_t slab, std::size_t group, std::size_t part) const {
+    void store_group(const Step& step, std::size_t group) const {
         OctantWords from{};
         from.group = group;
         for (std::size_t i = 0; i < 4; ++i) {
             from.octants[i] = octant_of(i);
-            from.words[i] = words_of(slab, group, i);
-            from.slices[i] = slice_of(slab, i);
+            from.words[i] = words_of(step, group, i);
+            from.slices[i] = slice_of(step.slab, i);
         }
-        store_octants(grid_, shape_, from, rows_of(kStore, part), job_.octants);
+        store_octants(grid_, shape_, from, rows_of(step), job_.octants);
     }
     // Vector 0 of an octant's words.
-    std::uint32_t* words_of(std::size_t slab, std::size_t group, std::size_t index) const {
+    std::uint32_t* words_of(const Step& step, std::size_t group, std::size_t index) const {
         const std::size_t layer = shape_.slice_stride * kLanes;
-        return visibility_ + (index * pipeline_.ring() + slab % pipeline_.ring()) * layer +
-               shape_.at(0, group);
+        return visibility_ + (4 * step.worker + index) * layer + shape_.at(0, group);
     }
 
     // Sign, unit and cut-off.

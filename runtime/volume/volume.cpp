@@ -225,7 +225,7 @@ dfield_status dfield_volume_gather_octants(dfield_context* context, const dfield
         require(distance || points->normals,
                 "dfield_volume_gather_octants: needs normals or the distance field");
         const Grid g = checked_grid(*grid);
-        const OctantTable geometry;
+        const OctantTable& geometry = OctantTable::shared();
         for_points(*context, *points, {g, distance},
                    [&](std::size_t i, const glm::vec3& point, const glm::vec3& normal) {
                        const Cell cell(g, point);

@@ -8,6 +8,7 @@
 
 #include "format/codec_directions.hpp"
 #include "format/hash.hpp"
+#include "format/octahedral.hpp"
 #include "format/sections.hpp"
 #include "format/sphere_points.hpp"
 #include "format/writer.hpp"

@@ -74,22 +74,17 @@ TEST_CASE("Updates that end early end up exact", "[volume][contextual]") {
         scene.volume = blobs({150, 40, 30}, random.below(100));
         scene.local.jitter = 0;
         Contextual session(context, scene.desc());
-        struct Calls {
-            int left = 0;
-        } calls;
-        dfield_update_desc update{};
-        update.struct_size = sizeof update;
-        update.user = &calls;
-        update.cancelled = [](void* user) { return --static_cast<Calls*>(user)->left < 0 ? 1 : 0; };
+        int calls = 0;
+        dfield_update_desc update = cancelled_after(calls);
         if (run % 2) update.seconds = 1000;
         std::size_t interrupted = 0;
         for (int frame = 0; frame < 8; ++frame) {
             random_change(random, meshes, scene, session);
-            calls.left = static_cast<int>(random.below(12));
+            calls = static_cast<int>(random.below(12));
             interrupted += session.update(&update).is_final == 0;
         }
         CHECK(interrupted > 0);
-        calls.left = 1 << 20;
+        calls = 1 << 20;
         CHECK(session.update(run % 3 ? &update : nullptr).is_final == 1);
         CHECK(scene.wrong(context, session.visibility()) == 0);
     }

@@ -19,13 +19,8 @@ TEST_CASE("Ten thousand updates leave what a computation from scratch finds", "[
     scene.local = local_desc(14, 6);
     scene.clip_samples = 8;
     Contextual session(context, scene.desc());
-    struct Calls {
-        int left = 0;
-    } calls;
-    dfield_update_desc cut_short{};
-    cut_short.struct_size = sizeof cut_short;
-    cut_short.user = &calls;
-    cut_short.cancelled = [](void* user) { return --static_cast<Calls*>(user)->left < 0 ? 1 : 0; };
+    int calls = 0;
+    dfield_update_desc cut_short = cancelled_after(calls);
     int checked = 0;
     for (int i = 0; i < updates; ++i) {
         random_change(random, meshes, scene, session);
@@ -34,7 +29,7 @@ TEST_CASE("Ten thousand updates leave what a computation from scratch finds", "[
             scene.clips.erase(scene.clips.begin());
         }
         // Now and then an update ends before it has finished; the next ones catch up.
-        calls.left = static_cast<int>(random.below(8));
+        calls = static_cast<int>(random.below(8));
         const bool final = session.update(random.below(20) == 0 ? &cut_short : nullptr).is_final == 1;
         if (!final || random.below(150) != 0) continue;
         ++checked;

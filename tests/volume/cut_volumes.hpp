@@ -48,6 +48,15 @@ struct Cut {
     }
 };
 
+// An update that is cancelled once `calls`, counted down by it, are used up.
+inline dfield_update_desc cancelled_after(int& calls) {
+    dfield_update_desc update{};
+    update.struct_size = sizeof update;
+    update.user = &calls;
+    update.cancelled = [](void* user) { return --*static_cast<int*>(user) < 0 ? 1 : 0; };
+    return update;
+}
+
 struct Meshes {
     explicit Meshes(const Context& context) {
         meshes.push_back(clip_mesh(context, box_mesh({-1, -1, -1}, {1, 1, 1})));

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "format/octahedral.hpp"
 #include "halves.hpp"
 
 namespace dfield::runtime {
@@ -38,17 +39,6 @@ std::vector<Line> lines_of(std::span<const glm::vec3> directions) {
         lines.push_back(line);
     }
     return lines;
-}
-
-// Point of the octahedral map's square [-1, 1]^2, unit.
-glm::vec3 octahedral_point(float a, float b) {
-    glm::vec3 p(a, b, 1 - std::fabs(a) - std::fabs(b));
-    if (p.z < 0) {
-        const float x = p.x, y = p.y;
-        p.x = std::copysign(1 - std::fabs(y), x);
-        p.y = std::copysign(1 - std::fabs(x), y);
-    }
-    return glm::normalize(p);
 }
 
 }  // namespace
@@ -93,8 +83,8 @@ void SharedDirections::build(std::span<const glm::vec3> directions, std::span<co
     for (auto& row : cluster_rows) row.resize((row.size() + 31) / 32 * 32, 0.0f);
     for (int row = 0; row <= kTotalsSize; ++row)
         for (int column = 0; column <= kTotalsSize; ++column) {
-            const glm::vec3 n = octahedral_point(2.0f * static_cast<float>(column) / kTotalsSize - 1,
-                                                 2.0f * static_cast<float>(row) / kTotalsSize - 1);
+            const glm::vec3 n = octahedral_direction({2.0f * static_cast<float>(column) / kTotalsSize - 1,
+                                                      2.0f * static_cast<float>(row) / kTotalsSize - 1});
             double sum = 0;
             for (std::size_t i = 0; i < count; ++i) {
                 const float cosine = n.x * x[i] + n.y * y[i] + n.z * z[i];

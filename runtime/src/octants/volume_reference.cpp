@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/matrix.hpp>
 
+#include "format/octahedral.hpp"
 #include "octants/volume_caster.hpp"
 #include "stretch.hpp"
 
