@@ -43,4 +43,26 @@ class Buffer {
     std::size_t count_ = 0;
 };
 
+// As much for each of several workers. Memory of those that never come is never touched.
+template<class Value>
+class WorkerBuffer {
+  public:
+    WorkerBuffer() = default;
+    WorkerBuffer(dfield_context* context, std::size_t workers, std::size_t count, Value initial = {})
+        : count_((count * sizeof(Value) + 63) / 64 * 64 / sizeof(Value)),  // cache lines of their own
+          all_(context, workers * count_),
+          initial_(initial) {}
+    explicit operator bool() const { return static_cast<bool>(all_); }
+    Value* of(std::size_t worker) const { return all_.get() + worker * count_; }
+    // Sets a worker's to the initial value.
+    void prepare(std::size_t worker) const {
+        if (all_) std::fill_n(of(worker), count_, initial_);
+    }
+
+  private:
+    std::size_t count_ = 0;
+    Buffer<Value> all_;
+    Value initial_{};
+};
+
 }  // namespace dfield::runtime::volume

@@ -6,7 +6,9 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "simd.hpp"
 #include "volume/buffer.hpp"
@@ -45,14 +47,14 @@ class OcclusionSweeps {
         dfield_context* const context = job.context;
         const std::size_t workers = pipeline_.workers();
         for (std::size_t i = 0; i < 2; ++i) {
-            vertices_[i] = Buffer<std::uint32_t>(context, workers * shape_.slab_floats(), kOpenVertex);
-            if (has_sums()) sums_[i] = Buffer<std::int16_t>(context, workers * 2 * pair_.slab_floats());
+            vertices_[i] = WorkerBuffer<std::uint32_t>(context, workers, shape_.slab_floats(), kOpenVertex);
+            if (has_sums()) sums_[i] = WorkerBuffer<std::int16_t>(context, workers, 2 * pair_.slab_floats());
         }
         if (moves()) swept_ = Buffer<float>(context, kept_slices() * grid_.nx * grid_.ny);
         below_ = Buffer<std::int16_t>(context, 4 * job.ordinates * 2 * pair_.layer());
-        border_ = Buffer<std::int16_t>(context, workers * job.ordinates * kSlices * border_size());
-        rows_ = Buffer<float>(context, workers * kRowSets * kLanes * shape_.row_stride, 0.0f);
-        if (job.octants) visibility_ = Buffer<std::uint32_t>(context, 4 * workers * shape_.layer(), 0);
+        border_ = WorkerBuffer<std::int16_t>(context, workers, job.ordinates * kSlices * border_size());
+        rows_ = WorkerBuffer<float>(context, workers, kRowSets * kLanes * shape_.row_stride);
+        if (job.octants) visibility_ = WorkerBuffer<std::uint32_t>(context, workers, 4 * shape_.layer());
     }
 
     void run() {
@@ -61,6 +63,7 @@ class OcclusionSweeps {
             std::fill_n(below_.get(), 4 * job_.ordinates * 2 * pair_.layer(), std::int16_t{0});
             pipeline_.run([this](std::size_t worker, std::size_t slab, std::size_t stage, std::size_t index) {
                 const Step step{worker, slab, index};
+                if (stage == kLoad && index == 0) prepare(worker);
                 if (stage == kLoad)
                     load(step);
                 else if (stage == kStore)
@@ -94,26 +97,33 @@ class OcclusionSweeps {
         return swept_ + (grid_.nz - 1 - z) % kept_slices() * grid_.nx * grid_.ny;
     }
     std::size_t border_size() const { return grid_.nx + 2 * kBorderPad; }
-    float* rows_of(const Step& step) const {
-        return rows_ + step.worker * kRowSets * kLanes * shape_.row_stride + Shape::kPad;
-    }
+    float* rows_of(const Step& step) const { return rows_.of(step.worker) + Shape::kPad; }
     std::size_t slice_of(std::size_t slab, std::size_t slice) const {
         const std::size_t k = slab * kSlices + slice;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
-    std::size_t offset_of(const Step& step) const { return step.worker * shape_.slab_floats(); }
     std::size_t octant_of(std::size_t index) const { return (down_ ? 4 : 0) + index; }
     std::uint32_t* words_of(const Step& step, std::size_t group, std::size_t index) const {
-        return visibility_ + (4 * step.worker + index) * shape_.layer() + shape_.at(0, group);
+        return visibility_.of(step.worker) + index * shape_.layer() + shape_.at(0, group);
     }
     // Vector 0 of a pair in a slice.
     std::int16_t* sums_of(Skew skew, const Step& step, std::size_t slice, std::size_t pair) const {
-        return sums_[static_cast<std::size_t>(skew)] +
-               2 * (step.worker * pair_.slab_floats() + pair_.at(slice, pair));
+        return sums_[static_cast<std::size_t>(skew)].of(step.worker) + 2 * pair_.at(slice, pair);
     }
     // A pair's rows are skewed as one: by so many vectors do its lower (0) and upper (1) group's come after.
     static std::size_t lag_of(Skew skew, std::size_t half) {
         return half == (skew == Skew::kFalling ? 1 : 0) ? kLanes : 0;
+    }
+
+    void prepare(std::size_t worker) {
+        if (std::exchange(prepared_[worker], true)) return;
+        for (std::size_t i = 0; i < 2; ++i) {
+            vertices_[i].prepare(worker);
+            sums_[i].prepare(worker);
+        }
+        border_.prepare(worker);
+        rows_.prepare(worker);
+        visibility_.prepare(worker);
     }
 
     void load(const Step& step) {
@@ -130,10 +140,11 @@ class OcclusionSweeps {
                 else
                     load_row(y, z, row);
             }
-            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
+            const std::size_t at = shape_.at(step.index, group);
             for (const Skew skew : {Skew::kFalling, Skew::kRising})
-                skew_rows(shape_, skew, rows,
-                          reinterpret_cast<float*>(vertices_[static_cast<std::size_t>(skew)] + at));
+                skew_rows(
+                    shape_, skew, rows,
+                    reinterpret_cast<float*>(vertices_[static_cast<std::size_t>(skew)].of(step.worker) + at));
         }
     }
 
@@ -203,8 +214,7 @@ class OcclusionSweeps {
         s.vertices_stride = static_cast<std::ptrdiff_t>(shape_.layer());
         s.sum_stride = static_cast<std::ptrdiff_t>(2 * pair_.layer());
         constexpr std::size_t kLeft = kOrdinates * kSlices;
-        std::int16_t* const border =
-            border_ + static_cast<std::ptrdiff_t>(step.worker * kLeft * border_size());
+        std::int16_t* const border = border_.of(step.worker);
         if (step.index == 0) std::fill_n(border, kLeft * border_size(), std::int16_t{0});
         s.border = border + kLeft * kBorderPad;
         s.ordinates = ordinates_of(octant, kOrdinates);
@@ -220,7 +230,7 @@ class OcclusionSweeps {
         for (std::size_t half = 0; half < 2; ++half) {
             const std::size_t group = 2 * pair + half, lag = lag_of(skew, half) * kLanes;
             s.vertices[half] =
-                vertices_[static_cast<std::size_t>(skew)].get() + offset_of(step) + shape_.at(0, group) - lag;
+                vertices_[static_cast<std::size_t>(skew)].of(step.worker) + shape_.at(0, group) - lag;
             if (visibility_) s.visibility[half] = words_of(step, group, index) - lag;
         }
         if (has_sums()) s.sum = sums_of(skew, step, 0, pair);
@@ -322,11 +332,14 @@ class OcclusionSweeps {
     const SlabPipeline<kStages> pipeline_;
     const OffSurface off_surface_;
     bool down_ = false;
-    std::array<Buffer<std::uint32_t>, 2> vertices_;  // by Skew
-    std::array<Buffer<std::int16_t>, 2> sums_;
-    Buffer<std::int16_t> below_, border_;
-    Buffer<float> rows_, swept_;
-    Buffer<std::uint32_t> visibility_;
+    std::array<WorkerBuffer<std::uint32_t>, 2> vertices_;  // by Skew
+    std::array<WorkerBuffer<std::int16_t>, 2> sums_;
+    Buffer<std::int16_t> below_;
+    WorkerBuffer<std::int16_t> border_;
+    WorkerBuffer<float> rows_;
+    Buffer<float> swept_;
+    WorkerBuffer<std::uint32_t> visibility_;
+    std::array<bool, kMostWorkers> prepared_{};  // by worker: its buffers are
 };
 
 void sweep_occlusion(const OcclusionJob& job) {

@@ -19,6 +19,8 @@ struct SlabStage {
     bool follows;  // whether step i waits for step i of this stage of the slab before
 };
 
+constexpr std::size_t kMostWorkers = 8;  // each has scratch memory for a slab
+
 template<std::size_t kStages>
 class SlabPipeline {
   public:
@@ -57,8 +59,6 @@ class SlabPipeline {
     }
 
   private:
-    static constexpr std::size_t kMostWorkers = 8;  // each has scratch memory for a slab
-
     // How far slabs have come: after step `at` of slab k, entry k modulo their number is k total_ + at + 1.
     // While steps of slab k have to wait, slabs up to k + workers() - 1 at most have begun, so the entry of
     // k - 1 is still its own; and what it may become later is larger.

@@ -8,9 +8,11 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "simd.hpp"
 #include "volume/buffer.hpp"
@@ -46,18 +48,18 @@ class DistanceSweeps {
         const std::size_t slab = shape_.slab_floats(), layer = shape_.slice_stride * kLanes;
         const bool light = job.carried != Carried::kNone;
         dfield_context* const context = job.context;
-        distance_ = Buffer<float>(context, workers() * slab, -kFar);
+        distance_ = WorkerBuffer<float>(context, workers(), slab, -kFar);
         below_ = Buffer<float>(context, 4 * layer);
-        border_ = Buffer<float>(context, workers() * kSlices * row());
-        rows_ = Buffer<float>(context, workers() * row_sets() * kLanes * shape_.row_stride, -kFar);
-        samples_ = Buffer<float>(context, workers() * kSampleRows * row());
+        border_ = WorkerBuffer<float>(context, workers(), kSlices * row());
+        rows_ = WorkerBuffer<float>(context, workers(), row_sets() * kLanes * shape_.row_stride, -kFar);
+        samples_ = WorkerBuffer<float>(context, workers(), kSampleRows * row());
         if (light) {
             dark_below_ = Buffer<float>(context, 4 * layer);
-            dark_border_ = Buffer<float>(context, workers() * kSlices * row());
+            dark_border_ = WorkerBuffer<float>(context, workers(), kSlices * row());
         }
         if (job.carried == Carried::kOctants)
-            visibility_ = Buffer<std::uint32_t>(context, 4 * workers() * layer, 0);
-        if (job.carried == Carried::kCombined) sum_ = Buffer<float>(context, workers() * slab, 0);
+            visibility_ = WorkerBuffer<std::uint32_t>(context, workers(), 4 * layer);
+        if (job.carried == Carried::kCombined) sum_ = WorkerBuffer<float>(context, workers(), slab);
     }
 
     SweepResult run() {
@@ -82,7 +84,15 @@ class DistanceSweeps {
     std::size_t row_sets() const { return job_.carried == Carried::kOctants ? 4 : 1; }
     std::size_t row() const { return Shape::row_size(grid_.nx); }
 
+    void prepare(std::size_t worker) {
+        if (std::exchange(prepared_[worker], true)) return;
+        for (const auto* buffer : {&distance_, &border_, &rows_, &samples_, &dark_border_, &sum_})
+            buffer->prepare(worker);
+        visibility_.prepare(worker);
+    }
+
     void run_step(const Step& step, std::size_t stage) {
+        if (stage == kLoad && step.index == 0) prepare(step.worker);
         switch (stage) {
             case kLoad:
                 return load(step);
@@ -104,14 +114,9 @@ class DistanceSweeps {
         const std::size_t k = slab * kSlices + slice;
         return k >= grid_.nz ? grid_.nz : down_ ? grid_.nz - 1 - k : k;
     }
-    std::size_t offset_of(const Step& step) const { return step.worker * shape_.slab_floats(); }
     // A worker's row buffers: x = 0 of the first row.
-    float* rows_of(const Step& step) const {
-        return rows_ + row_sets() * step.worker * kLanes * shape_.row_stride + Shape::kPad;
-    }
-    float* sample_rows(const Step& step) const {
-        return samples_ + step.worker * kSampleRows * row() + Shape::kPad;
-    }
+    float* rows_of(const Step& step) const { return rows_.of(step.worker) + Shape::kPad; }
+    float* sample_rows(const Step& step) const { return samples_.of(step.worker) + Shape::kPad; }
 
     void load(const Step& step) {
         const std::size_t z = slice_of(step.slab, step.index);
@@ -130,9 +135,9 @@ class DistanceSweeps {
                     initialise(y, z, sample_rows(step), row);
             }
             clear_pads(rows);  // the last vectors of rows went beyond them
-            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
-            skew_rows(shape_, Skew::kFalling, rows, distance_ + at);
-            if (sum_) std::fill_n(sum_ + at, 4 * shape_.blocks * kLanes, 0.0f);
+            const std::size_t at = shape_.at(step.index, group);
+            skew_rows(shape_, Skew::kFalling, rows, distance_.of(step.worker) + at);
+            if (sum_) std::fill_n(sum_.of(step.worker) + at, 4 * shape_.blocks * kLanes, 0.0f);
         }
     }
 
@@ -185,23 +190,23 @@ class DistanceSweeps {
         s.ascending = direction.x > 0;
         s.slice_stride = static_cast<std::ptrdiff_t>(shape_.slice_stride * kLanes);
         s.border_stride = static_cast<std::ptrdiff_t>(row());
-        s.border = border_ + step.worker * kSlices * row() + Shape::kPad;
+        s.border = border_.of(step.worker) + Shape::kPad;
         if (step.index == 0) std::fill_n(s.border - Shape::kPad, kSlices * row(), kFar);
         if constexpr (kCarried != Carried::kNone) {
-            s.dark_border = dark_border_ + step.worker * kSlices * row() + Shape::kPad;
+            s.dark_border = dark_border_.of(step.worker) + Shape::kPad;
             if (step.index == 0) std::fill_n(s.dark_border - Shape::kPad, kSlices * row(), 0.0f);
             s.intensity = job_.intensities[octant];
             s.alpha = job_.alpha;
         }
         const bool upward = direction.y > 0;
         const std::size_t group = upward ? step.index : shape_.groups - 1 - step.index;
-        const std::size_t at = offset_of(step) + shape_.at(0, group);
+        const std::size_t at = shape_.at(0, group);
         const std::size_t layer = index * shape_.slice_stride * kLanes + shape_.at(0, group);
-        s.distance = distance_ + at;
+        s.distance = distance_.of(step.worker) + at;
         s.below = below_ + layer;
         if constexpr (kCarried != Carried::kNone) s.dark_below = dark_below_ + layer;
         if constexpr (kCarried == Carried::kOctants) s.visibility = words_of(step, group, index);
-        if constexpr (kCarried == Carried::kCombined) s.sum = sum_ + at;
+        if constexpr (kCarried == Carried::kCombined) s.sum = sum_.of(step.worker) + at;
         if (upward)
             sweep_group<true, kCarried>(s, solver);
         else
@@ -221,10 +226,10 @@ class DistanceSweeps {
             skew_rows(shape_, Skew::kRising, rows, vectors);
         };
         for (std::size_t group = 0; group < shape_.groups; ++group) {
-            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
+            const std::size_t at = shape_.at(step.index, group);
             clear_pads(rows);
-            turn_one(distance_ + at);
-            if (sum_) turn_one(sum_ + at);
+            turn_one(distance_.of(step.worker) + at);
+            if (sum_) turn_one(sum_.of(step.worker) + at);
         }
     }
 
@@ -236,14 +241,14 @@ class DistanceSweeps {
         if (z == grid_.nz) return;
         float* const rows = rows_of(step);
         for (std::size_t group = 0; group < shape_.groups; ++group) {
-            const std::size_t at = offset_of(step) + shape_.at(step.index, group);
+            const std::size_t at = shape_.at(step.index, group);
             const std::size_t count = std::min(kLanes, grid_.ny - group * kLanes);
             const auto vector_of = [](const float* vectors) {
                 return [vectors](std::ptrdiff_t t) HWY_ATTR {
                     return hn::Load(F(), vectors + t * static_cast<std::ptrdiff_t>(kLanes));
                 };
             };
-            unskew_rows(shape_, Skew::kRising, vector_of(distance_ + at), rows);
+            unskew_rows(shape_, Skew::kRising, vector_of(distance_.of(step.worker) + at), rows);
             for (std::size_t l = 0; l < count; ++l) {
                 const std::size_t y = group * kLanes + l;
                 float* const out = job_.distance + grid_.index(0, y, z);
@@ -253,7 +258,7 @@ class DistanceSweeps {
                     std::copy_n(rows + l * shape_.row_stride, grid_.nx, out);
             }
             if (sum_) {
-                unskew_rows(shape_, Skew::kRising, vector_of(sum_ + at), rows);
+                unskew_rows(shape_, Skew::kRising, vector_of(sum_.of(step.worker) + at), rows);
                 for (std::size_t l = 0; l < count; ++l) {
                     float* const out = job_.combined + grid_.index(0, group * kLanes + l, z);
                     const float* const row = rows + l * shape_.row_stride;
@@ -277,7 +282,7 @@ class DistanceSweeps {
     // Vector 0 of an octant's words.
     std::uint32_t* words_of(const Step& step, std::size_t group, std::size_t index) const {
         const std::size_t layer = shape_.slice_stride * kLanes;
-        return visibility_ + (4 * step.worker + index) * layer + shape_.at(0, group);
+        return visibility_.of(step.worker) + index * layer + shape_.at(0, group);
     }
 
     // Sign, unit and cut-off.
@@ -317,8 +322,10 @@ class DistanceSweeps {
     const SlabPipeline<kStages> pipeline_;
     bool down_ = false;
     std::atomic<bool> finite_{true};
-    Buffer<float> distance_, below_, border_, rows_, samples_, dark_below_, dark_border_, sum_;
-    Buffer<std::uint32_t> visibility_;
+    Buffer<float> below_, dark_below_;
+    WorkerBuffer<float> distance_, border_, rows_, samples_, dark_border_, sum_;
+    WorkerBuffer<std::uint32_t> visibility_;
+    std::array<bool, kMostWorkers> prepared_{};  // by worker: its buffers are
 };
 
 SweepResult sweep_distance(const DistanceJob& job) {
