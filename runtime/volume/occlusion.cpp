@@ -151,6 +151,8 @@ class OcclusionSweeps {
     // A row's words. Made in both passes: keeping them costs as much time, and a word a voxel.
     void load_row(std::size_t y, std::size_t z, std::uint32_t* out) const {
         const RowGradient row(grid_, job_.distance, y, z);
+        // Copies, which stores through `out` cannot change.
+        const float per_h = 1 / grid_.h(), thin = job_.thin, shift = job_.shift, darkest = 255 * job_.alpha;
         row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const hn::RebindToUnsigned<decltype(tag)> u32;
             const auto g = row.at(tag, x);
@@ -166,13 +168,12 @@ class OcclusionSweeps {
             const auto length = hn::IfThenElseZero(some, hn::Mul(g.square, inverse));
             const auto deeper = hn::IfThenElseZero(
                 hn::Le(d, hn::Zero(tag)), hn::Max(hn::Sub(hn::Set(tag, 1.0f), length), hn::Zero(tag)));
-            const auto tau =
-                hn::MulAdd(d, hn::Set(tag, 1 / grid_.h()),
-                           hn::NegMulAdd(deeper, hn::Set(tag, job_.thin), hn::Set(tag, job_.shift)));
+            const auto tau = hn::MulAdd(d, hn::Set(tag, per_h),
+                                        hn::NegMulAdd(deeper, hn::Set(tag, thin), hn::Set(tag, shift)));
             const auto opacity =
                 hn::Sub(hn::Set(tag, 1.0f), hn::Clamp(tau, hn::Zero(tag), hn::Set(tag, 1.0f)));
             const auto dark =
-                hn::BitCast(u32, hn::MulAdd(opacity, hn::Set(tag, 255 * job_.alpha), hn::Set(tag, 0x3p22f)));
+                hn::BitCast(u32, hn::MulAdd(opacity, hn::Set(tag, darkest), hn::Set(tag, 0x3p22f)));
             auto word = component(g.z);
             for (const auto& byte : {component(g.y), component(g.x), dark})
                 word = select_bits(hn::Set(u32, 0xff), byte, hn::ShiftLeft<8>(word));

@@ -91,8 +91,9 @@ HWY_INLINE void store_octants(const Grid& grid, const Shape& shape, const Octant
     }
     std::uint8_t* const volume = octants + (from.octants[0] < 4 ? 0 : 4 * grid.size());
     const std::size_t count = std::min(kLanes, grid.ny - from.group * kLanes);
-    for (std::size_t slice = 0; slice < kSlices && from.slices[slice] < grid.nz; ++slice)
-        for (std::size_t l = 0; l < count; ++l) {
+    // All slices of a row while its words are in the first cache.
+    for (std::size_t l = 0; l < count; ++l)
+        for (std::size_t slice = 0; slice < kSlices && from.slices[slice] < grid.nz; ++slice) {
             std::array<const std::uint32_t*, 4> row;
             for (std::size_t c = 0; c < 4; ++c)
                 row[c] = reinterpret_cast<const std::uint32_t*>(set[c] + l * shape.row_stride +

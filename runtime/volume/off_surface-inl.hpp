@@ -34,22 +34,24 @@ class OffSurface {
     void move_row(std::size_t y, std::size_t z, const Slices& slices, float* out) const {
         const RowGradient row(grid_, distance_, y, z);
         const float* const swept = slices[kReach] + y * grid_.nx;
+        // Copies, which stores through `out` cannot change.
+        const Grid grid = grid_;
+        const float widest = widest_, per_hx = 1 / grid.hx, per_hy = 1 / grid.hy, per_hz = 1 / grid.hz;
         row.for_vertices([&](auto tag, std::size_t x) HWY_ATTR {
             const auto d = hn::LoadU(tag, row.here() + x), unmoved = hn::LoadU(tag, swept + x);
             const auto is_near = [&](auto h) HWY_ATTR {
                 return hn::And(hn::Ge(d, hn::Mul(h, hn::Set(tag, -kImprovedDepth))),
                                hn::Lt(d, hn::Mul(h, hn::Set(tag, kImprovedOffset))));
             };
-            if (hn::AllFalse(tag, is_near(hn::Set(tag, widest_)))) return hn::StoreU(unmoved, tag, out + x);
+            if (hn::AllFalse(tag, is_near(hn::Set(tag, widest)))) return hn::StoreU(unmoved, tag, out + x);
             // In voxels: v = the gradient over the spacings, and |g| / |v| is the spacing along the normal.
             const auto g = row.at(tag, x);
             const auto some = hn::Gt(g.square, hn::Zero(tag));
-            const auto per = [&](auto along, float h)
-                                 HWY_ATTR { return hn::Mul(along, hn::Set(tag, 1 / h)); };
-            const auto vx = per(g.x, grid_.hx), vy = per(g.y, grid_.hy), vz = per(g.z, grid_.hz);
+            const auto vx = hn::Mul(g.x, hn::Set(tag, per_hx)), vy = hn::Mul(g.y, hn::Set(tag, per_hy)),
+                       vz = hn::Mul(g.z, hn::Set(tag, per_hz));
             const auto inverse = hn::ApproximateReciprocalSqrt(g.square);
             const auto square = hn::MulAdd(vx, vx, hn::MulAdd(vy, vy, hn::Mul(vz, vz)));
-            const auto h = grid_.isotropic() ? hn::Set(tag, grid_.hx) : hn::Sqrt(hn::Div(g.square, square));
+            const auto h = grid.isotropic() ? hn::Set(tag, grid.hx) : hn::Sqrt(hn::Div(g.square, square));
             const auto chosen = hn::And(some, is_near(h));
             const auto step = hn::Mul(hn::MulSub(h, hn::Set(tag, kImprovedOffset), d), inverse);
             const auto scale = hn::IfThenElseZero(chosen, step);

@@ -52,13 +52,18 @@ class RowGradient {
         return g;
     }
 
-    // Calls use(tag, x) for vectors, and single vertices, that cover the row and suit at().
+    // Calls use(tag, x) for vectors, and single vertices, that cover the row and suit at(); some vertices
+    // twice.
     template<class Use>
     HWY_INLINE void for_vertices(const Use& use) const {
         const hn::CappedTag<float, 1> single;
         use(single, 0);
         std::size_t x = 1;
         for (; x + kLanes < nx_; x += kLanes) use(F(), x);
+        if (x > 1 && x + 1 < nx_) {
+            use(F(), nx_ - 1 - kLanes);
+            x = nx_ - 1;
+        }
         for (; x < nx_; ++x) use(single, x);
     }
 
