@@ -10,26 +10,18 @@
 namespace dfield::cli {
 namespace {
 
-void run_parallel(void* user, std::size_t count, void (*body)(void*, std::size_t, std::size_t), void* data) {
-    const int threads = *static_cast<const int*>(user);
-    if (threads == 1) return body(data, 0, count);
-    parallel_ranges(threads, count,
-                    std::max<std::size_t>(256, count / (8 * static_cast<std::size_t>(threads))),
-                    [&](std::size_t begin, std::size_t end) { body(data, begin, end); });
-}
-
-Context make_context(int* threads) {
+Context make_context(Threads& threads) {
     dfield_context_desc desc{};
     desc.struct_size = sizeof desc;
-    desc.user = threads;
-    desc.parallel_for = run_parallel;
+    threads.install(desc);
     return Context(&desc);
 }
 
 }  // namespace
 
 ThreadedContext::ThreadedContext(int threads)
-    : threads_(std::make_unique<int>(thread_count(threads))), context_(make_context(threads_.get())) {}
+    : threads_(std::make_unique<Threads>(static_cast<unsigned>(thread_count(threads)))),
+      context_(make_context(*threads_)) {}
 
 const char* name_of(dfield_kind kind) {
     switch (kind) {

@@ -9,6 +9,7 @@
 
 #include "baker/scene.hpp"
 #include "dfield/dfield.hpp"
+#include "dfield/threads.hpp"
 
 namespace dfield::cli {
 
@@ -20,7 +21,7 @@ class ThreadedContext {
     const Context& get() const { return context_; }
 
   private:
-    std::unique_ptr<int> threads_;  // what the hook's user pointer points at
+    std::unique_ptr<Threads> threads_;  // the hook's; outlives the context
     Context context_;
 };
 
