@@ -44,7 +44,7 @@ ReceiverList around(std::size_t count, double nearest, double farthest) {
 
 TEST_CASE("A ball over a receiver hides (r/h)^2 of its sky") {
     const Context context;
-    const Field field = test::baked(context, test::sphere_mesh({0, 0, 0}, 1, 96), 64, 64, 8);
+    const Field field = test::baked(context, test::sphere_mesh({0, 0, 0}, 1, 96), 32, 48, 8);
     Scene scene(context);
     scene.add(field, kIdentity);
     dfield_ao_desc desc = Ao::defaults();
