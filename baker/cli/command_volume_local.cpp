@@ -41,6 +41,7 @@ Json local_json(const LocalCommand& command, const Volume& volume, const Runtime
     json["tf"] = command.transfer_file;
     json["rays"] = command.local.rays;
     json["samples"] = command.local.samples;
+    json["approximate"] = command.local.approximate;
     json["threads"] = runtime.threads();
     return json;
 }
@@ -205,6 +206,11 @@ void add_volume_lao_command(CLI::App& volume) {
     lao->add_option("-o,--output", command->output, "The factors, 1 = open: a float NRRD on FILE's grid")
         ->required();
     add_shared(*lao, *command);
+    lao->add_flag(
+           "--approximate", command->local.approximate,
+           "Long rays faster and not exact: all but the first samples are taken three at a time; about "
+           "4e-4 off (RMS) with 50 samples")
+        ->group("Local ambient occlusion");
     lao->footer(
         "gsamples_per_s counts all samples whose opacity matters, taken or skipped: a ray's last does not.");
     lao->callback([command] { run_lao(*command); });

@@ -86,7 +86,7 @@ void add_local_options(CLI::App& command, LocalOptions& options) {
 }
 
 LocalSettings::LocalSettings(const LocalOptions& options, const TransferFunction& transfer)
-    : local_(local_defaults()) {
+    : weights_(options.weights), local_(local_defaults()) {
     const bool neighbours =
         options.rays == 6 || options.rays == 14 || options.rays == 26 || options.rays == 54;
     local_.ray_set = neighbours && !options.fibonacci ? DFIELD_RAYS_NEIGHBOURS : DFIELD_RAYS_FIBONACCI;
@@ -96,14 +96,15 @@ LocalSettings::LocalSettings(const LocalOptions& options, const TransferFunction
     local_.step = options.step;
     local_.jitter = options.jitter;
     local_.seed = options.seed;
+    local_.approximate = options.approximate;
     if (!options.weights_file.empty()) {
         for (const double weight : parse_numbers(read_text(options.weights_file), options.weights_file))
             weights_.push_back(static_cast<float>(weight));
         if (weights_.size() != options.rays)
             throw InputError(options.weights_file +
                              text(": %zu weights for %u rays", weights_.size(), options.rays));
-        local_.weights = weights_.data();
     }
+    if (!weights_.empty()) local_.weights = weights_.data();
     for (const TransferFunction::Opacity& point : transfer.points())
         points_.push_back({static_cast<float>(point.value), point.opacity});
     opacity_.struct_size = sizeof opacity_;

@@ -13,12 +13,13 @@
 
 namespace dfield::cli {
 
-// --rays --fibonacci --samples --step --world-steps --weights --jitter --seed
+// --rays --fibonacci --samples --step --world-steps --weights --jitter --seed --approximate
 struct LocalOptions {
     std::uint32_t rays = 54, samples = 20;
     float step = 1, jitter = 0;
     double opacity_length = 0;
-    bool fibonacci = false, world = false;
+    bool fibonacci = false, world = false, approximate = false;
+    std::vector<float> weights;  // or those of weights_file
     std::string weights_file;
     std::uint64_t seed = 0;
 };

@@ -5,9 +5,9 @@
 
 #include "baker/cli/report.hpp"
 #include "bench/common/machine.hpp"
+#include "bench/cutting/chapter.hpp"
 #include "bench/kinds/report.hpp"
 #include "bench/paper/figures.hpp"
-#include "bench/volume/chapter.hpp"
 
 namespace dfield::paper {
 namespace {
@@ -55,18 +55,20 @@ void write_kinds(Lab& lab, Page& page) {
     kinds::write_kinds(kinds::measure_kinds(lab), page);
 }
 
-void write_volumes(const Options& options, Page& page) {
-    say("volumes");
-    volumes::Lab lab{volumes::Stock(options.scans, options.quick), page};
+void write_volumes(const volumes::Chapter& chapter, const Options& options, Page& page) {
+    say(chapter.name);
+    volumes::Lab lab{volumes::Stock(options.scans, options.quick), page, options.own};
     volumes::Json figures;
-    volumes::measure_pieces(lab, {}, figures);
-    volumes::write_volumes(figures, options.quick, page);
+    volumes::measure_pieces(chapter, lab, {}, figures);
+    volumes::write_chapter(chapter, figures, options.quick, page);
 }
 
 void run_chapter(const Options& options) {
     Page page(options.output);
     if (options.only == "volumes") {
-        write_volumes(options, page);
+        write_volumes(volumes::sweeping_chapter(), options, page);
+    } else if (options.only == "cutting") {
+        write_volumes(cutting::cutting_chapter(), options, page);
     } else {
         Lab lab(options.own, options.shared, options.quick);
         write_kinds(lab, page);
@@ -97,7 +99,8 @@ void run(const Options& options) {
     say("ablation");
     write_ablation(lab, page);
     write_kinds(lab, page);
-    write_volumes(options, page);
+    write_volumes(volumes::sweeping_chapter(), options, page);
+    write_volumes(cutting::cutting_chapter(), options, page);
     page.save();
     std::printf("%s\n", options.output.string().c_str());
 }
@@ -124,7 +127,7 @@ int main(int argc, char** argv) {
                    "The scans; what needs them is left out where they are missing")
         ->capture_default_str();
     app.add_option("--only", options.only, "This chapter alone; the page's others stay as they are")
-        ->check(CLI::IsMember({"kinds", "volumes"}));
+        ->check(CLI::IsMember({"kinds", "volumes", "cutting"}));
     app.add_flag("--quick", options.quick, "For tests: own models only, small fields, few rays, one round");
     CLI11_PARSE(app, argc, argv);
     try {

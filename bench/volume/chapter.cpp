@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "bench/common/machine.hpp"
-#include "bench/volume/asked.hpp"
+#include "bench/volume/pieces.hpp"
 
 namespace dfield::volumes {
 namespace {
@@ -23,9 +23,9 @@ constexpr Piece kPieces[] = {
     {"figure10", draw_figure10, write_figure10},
 };
 
-void write_asked(const Json& figures, bench::Page& page) {
-    bench::AskedTable table("volumes");
-    for (const Asked& row : asked()) {
+void write_asked(const Chapter& chapter, const Json& figures, bench::Page& page) {
+    bench::AskedTable table(chapter.name);
+    for (const Asked& row : chapter.asked) {
         const Json::json_pointer at(row.figure);
         if (figures.contains(at))
             table.row(row.what, row.bound, figures[at].get<double>());
@@ -37,39 +37,42 @@ void write_asked(const Json& figures, bench::Page& page) {
 
 }  // namespace
 
-std::span<const Piece> pieces() {
-    return kPieces;
-}
-
-void measure_pieces(Lab& lab, std::span<const std::string> wanted, Json& figures) {
-    for (const std::string& name : wanted)
-        if (std::none_of(std::begin(kPieces), std::end(kPieces),
-                         [&](const Piece& piece) { return name == piece.name; }))
-            throw std::invalid_argument("no piece is named " + name);
-    for (const Piece& piece : kPieces) {
-        if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), piece.name) == wanted.end()) continue;
-        std::fprintf(stderr, "volumes: %s\n", piece.name);
-        figures[piece.name] = piece.measure(lab);
-    }
-}
-
-void write_volumes(const Json& figures, bool quick, bench::Page& page) {
-    page.heading(2, "Sweeping volumes");
-    page.paragraph(
+const Chapter& sweeping_chapter() {
+    static const Chapter kChapter{
+        "volumes", "Sweeping volumes",
         "The evaluation of M. Singh, C. Yuksel and D. House, \"Fast Occlusion Sweeping\" (2009), and what "
         "this "
         "project asks of its distance fields and of its occlusion. Times are of one core unless said "
         "otherwise, of whole calls through the C interface from the volume as it was read to packed arrays, "
-        "into memory at hand; contestants take turns, and the fastest turn of each counts. Measured on " +
-        bench::processor_name() + "; " + bench::compiler_version() + ".");
+        "into memory at hand; contestants take turns, and the fastest turn of each counts.",
+        kPieces, asked()};
+    return kChapter;
+}
+
+void measure_pieces(const Chapter& chapter, Lab& lab, std::span<const std::string> wanted, Json& figures) {
+    for (const std::string& name : wanted)
+        if (std::none_of(chapter.pieces.begin(), chapter.pieces.end(),
+                         [&](const Piece& piece) { return name == piece.name; }))
+            throw std::invalid_argument("no piece is named " + name);
+    for (const Piece& piece : chapter.pieces) {
+        if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), piece.name) == wanted.end()) continue;
+        std::fprintf(stderr, "%s: %s\n", chapter.name, piece.name);
+        figures[piece.name] = piece.measure(lab);
+    }
+}
+
+void write_chapter(const Chapter& chapter, const Json& figures, bool quick, bench::Page& page) {
+    page.heading(2, chapter.title);
+    page.paragraph(std::string(chapter.introduction) + " Measured on " + bench::processor_name() + "; " +
+                   bench::compiler_version() + ".");
     if (quick) page.paragraph("**Written with --quick: small volumes, few rays. No figure here counts.**");
-    write_asked(figures, page);
+    write_asked(chapter, figures, page);
     std::string missing;
-    for (const Piece& piece : kPieces)
+    for (const Piece& piece : chapter.pieces)
         if (!figures.contains(piece.name)) missing += (missing.empty() ? "" : ", ") + std::string(piece.name);
     if (!missing.empty())
         page.paragraph("**Parts that were not measured, and are left out: " + missing + ".**");
-    for (const Piece& piece : kPieces)
+    for (const Piece& piece : chapter.pieces)
         if (piece.write && figures.contains(piece.name)) piece.write(figures, page);
 }
 

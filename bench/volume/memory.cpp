@@ -1,9 +1,7 @@
 // Peak memory of a sweep: what goes through the context's hooks, and the outputs.
-#include <algorithm>
 #include <array>
-#include <atomic>
-#include <cstdlib>
 
+#include "bench/common/meter.hpp"
 #include "bench/volume/jobs.hpp"
 #include "bench/volume/pieces.hpp"
 
@@ -14,33 +12,11 @@ using cli::text;
 
 constexpr std::array kJobs{Job::kDistance, Job::kCombined, Job::kOctants, Job::kImproved};
 
-// Allocator hooks that know how much was held at most.
-struct Meter {
-    std::atomic<std::size_t> held{0}, peak{0};
-
-    dfield_context_desc hooks() {
-        dfield_context_desc desc{};
-        desc.user = this;
-        desc.allocate = [](void* user, std::size_t size, std::size_t alignment) {
-            Meter& meter = *static_cast<Meter*>(user);
-            const std::size_t now = meter.held += size;
-            for (std::size_t peak = meter.peak; now > peak && !meter.peak.compare_exchange_weak(peak, now);)
-                ;
-            return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-        };
-        desc.deallocate = [](void* user, void* memory, std::size_t size, std::size_t) {
-            static_cast<Meter*>(user)->held -= size;
-            std::free(memory);
-        };
-        return desc;
-    }
-};
-
 }  // namespace
 
 Json measure_memory(Lab& lab) {
     const Subject subject = timed_subject(lab.stock.size(512));
-    Meter meter;
+    bench::Meter meter;
     const cli::VolumeSweeper sweeper(subject.name, subject.volume, subject.isovalue, 1, meter.hooks());
     JobOutputs outputs(sweeper.voxels());
     Json figures{{"size", subject.volume.grid.size[0]}};

@@ -1,30 +1,9 @@
-// The chapter in pieces. Each measures its figures, which are kept as JSON so that pieces can be measured in
-// runs of their own, and writes its part of the page from them.
+// The pieces of the chapter "Sweeping volumes".
 #pragma once
 
-#include <span>
-
-#include "baker/cli/report.hpp"
-#include "bench/common/page.hpp"
-#include "bench/volume/subjects.hpp"
+#include "bench/volume/chapter.hpp"
 
 namespace dfield::volumes {
-
-using cli::Json;
-
-struct Lab {
-    Stock stock;
-    const bench::Page& page;  // beside which pictures are saved
-};
-
-struct Piece {
-    const char* name;
-    Json (*measure)(Lab& lab);
-    // All figures that were measured; this piece's are under its name. Null where another piece writes them.
-    void (*write)(const Json& figures, bench::Page& page);
-};
-// In the page's order.
-std::span<const Piece> pieces();
 
 Json measure_distance(Lab& lab);
 Json measure_table2(Lab& lab);

@@ -127,7 +127,6 @@ struct ClipList {
 
 bool Coverage::of_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y, std::size_t z,
                         std::uint8_t* left) const {
-    constexpr std::size_t kBlock = kBlockX * kBlockY * kBlockZ;
     if (clips.size() > ClipList::kMost) {
         for (std::size_t i = 0; i < kBlock; ++i)
             left[i] =

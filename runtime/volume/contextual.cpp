@@ -75,9 +75,11 @@ dfield_contextual::dfield_contextual(dfield_context* context, const dfield_conte
       rough_rays_(rays_of(context, grid_, rough(local_))),
       coverage_(context, desc.clip_samples),
       opacity_(opacity_of(context, &desc.opacity, local_, grid_, samples_.type)),
+      whole_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       volume_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       plan_(context, rays_, volume_),
       rough_plan_(context, rough_rays_, volume_),
+      exchange_(dilated_mode_ ? nullptr : exchange_function(*context, rays_)),
       changed_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       turned_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       differs_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
@@ -146,15 +148,6 @@ Tile dfield_contextual::tile(std::size_t index) const {
             static_cast<std::uint32_t>(index / (tiles_[0] * tiles_[1]) * kTileZ), 0};
 }
 
-template<class Use>
-void dfield_contextual::for_blocks(const Tile& tile, const Use& use) {
-    for (std::size_t bz = 0; bz < kTileBlocksZ; ++bz)
-        for (std::size_t by = 0; by < kTileBlocksY; ++by)
-            for (std::size_t bx = 0; bx < kTileBlocksX; ++bx)
-                if (const std::size_t bit = block_bit(bx, by, bz); tile.blocks >> bit & 1)
-                    use(bit, tile.x + bx * kBlockX, tile.y + by * kBlockY, tile.z + bz * kBlockZ);
-}
-
 template<class Wanted, class Use>
 bool dfield_contextual::for_tiles(const Deadline& deadline, const Wanted& wanted, const Use& use) {
     order_.clear();
@@ -191,8 +184,7 @@ void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::
                 low[0] + i % nx + tiles_[0] * (low[1] + i / nx % ny + tiles_[1] * (low[2] + i / (nx * ny)));
             Tile t = tile(index);
             t.blocks = ~0u;
-            for_blocks(t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-                if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+            for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
                 if (rays_reach_.meets(changed_.window(x, y, z)) ||
                     neighbours_reach_.meets(turned_.window(x, y, z)))
                     pending[index] |= 1u << bit;
@@ -227,8 +219,7 @@ void dfield_contextual::mark_dilated(dfield_update_result& result) {
             Tile t = tile(index);
             t.blocks = ~0u;
             std::uint32_t now = 0;
-            for_blocks(t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-                if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+            for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
                 std::uint64_t voxels = 0;
                 const bool gone = block_is_gone(grid_, left_.get(), x, y, z);
                 for (std::size_t k = z; !gone && k < std::min(z + kBlockZ, grid_.nz); ++k)
@@ -260,8 +251,7 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
     rays.blocks = 0;
     const std::size_t index =
         wanted.x / kTileX + tiles_[0] * (wanted.y / kTileY + tiles_[1] * (wanted.z / kTileZ));
-    for_blocks(wanted, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-        if (x >= grid_.nx || y >= grid_.ny || z >= grid_.nz) return;
+    for_blocks(grid_, wanted, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
         const bool apart =
             dilated_mode_ ? dilated_[index] >> bit & 1 : rays_reach_.meets(differs_.window(x, y, z));
         const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
@@ -277,10 +267,12 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
                 std::copy_n(unclipped_ + at, nx, visibility_ + at);
             }
     });
+    if (rays.blocks != 0 && exchange_ && &plan == &plan_)
+        rays.blocks =
+            exchange_({&whole_, &volume_, &differs_, &plan, unclipped_.get(), visibility_.get()}, rays);
     if (rays.blocks != 0) local({&volume_, &plan, visibility_.get()}, rays);
-    for_blocks(wanted, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
-        if (x < grid_.nx && y < grid_.ny && z < grid_.nz)
-            open_gone_voxels(grid_, left_.get(), x, y, z, visibility_.get());
+    for_blocks(grid_, wanted, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
+        open_gone_voxels(grid_, left_.get(), x, y, z, visibility_.get());
     });
 }
 
@@ -320,14 +312,14 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
                 [&](std::uint32_t i) {
                     Tile t = tile(i);
                     t.blocks = std::exchange(pending_rough_[i], 0u);
-                    local_rough({&volume_, &rough_plan_, visibility_.get()}, t);
+                    local_rough({&whole_, &rough_plan_, visibility_.get()}, t);
                 });
         done = done && for_tiles(
                            deadline, [&](std::uint32_t i) { return pending_unclipped_[i] != 0; },
                            [&](std::uint32_t i) {
                                Tile t = tile(i);
                                t.blocks = std::exchange(pending_unclipped_[i], 0u);
-                               local({&volume_, &plan_, unclipped_.get()}, t);
+                               local({&whole_, &plan_, unclipped_.get()}, t);
                            });
         if (!done) return end(false);
     }

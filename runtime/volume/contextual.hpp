@@ -92,9 +92,6 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
     // when done.
     template<class Wanted, class Use>
     bool for_tiles(const dfield::runtime::volume::Deadline& deadline, const Wanted& wanted, const Use& use);
-    template<class Use>
-    static void for_blocks(const Tile& tile, const Use& use);
-
     void change_opacity();
     Region change_clips();
     bool change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y, std::size_t z,
@@ -113,10 +110,11 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
     const dfield::runtime::volume::Coverage coverage_;
     dfield::runtime::volume::OpacityFunction opacity_;
     std::optional<dfield::runtime::volume::OpacityFunction> next_opacity_;
-    // Opacities, clipped as `left_` says if clipped_ is set and as if nothing were clipped otherwise.
-    dfield::runtime::volume::OpacityVolume volume_;
+    // Opacities, unclipped; and clipped as `left_` says if clipped_ is set, otherwise unclipped too.
+    dfield::runtime::volume::OpacityVolume whole_, volume_;
     bool clipped_ = false, filled_ = false;
     const dfield::runtime::volume::LocalPlan plan_, rough_plan_;
+    dfield::runtime::volume::ExchangeFunction* const exchange_;  // null where blocks are computed afresh
     // Bricks: opacity changed since the marks were made; became clipped or stopped being so; is not what it
     // would be unclipped.
     dfield::runtime::volume::BrickFlags changed_, turned_, differs_;

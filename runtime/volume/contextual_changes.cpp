@@ -17,25 +17,22 @@ void dfield_contextual::change_opacity() {
     std::atomic<bool> finite{true};
     // Rows of bricks, so that no two threads share a flag.
     context()->for_ranges(changed_.nz(), [&](std::size_t begin, std::size_t end) {
-        std::array<float, 64> before;
         for (std::size_t z = begin * kBrickZ; z < std::min(end * kBrickZ, grid_.nz); ++z)
             for (std::size_t y = 0; y < grid_.ny; ++y) {
-                float* const row = volume_.row(y, z);
-                const std::byte* const samples = samples_.row(y, z);
-                if (!next.row(samples, 0, grid_.nx, row)) finite.store(false, std::memory_order_relaxed);
+                float *const before = whole_.row(y, z), *const now = volume_.row(y, z);
+                if (!next.row(samples_.row(y, z), 0, grid_.nx, now))
+                    finite.store(false, std::memory_order_relaxed);
                 std::uint8_t* const flags = changed_.brick(0, y / kBrickY, z / kBrickZ);
-                for (std::size_t x = 0; !first && x < grid_.nx; x += before.size()) {
-                    const std::size_t count = std::min(before.size(), grid_.nx - x);
-                    (void)opacity_.row(samples, x, x + count, before.data());
-                    for (std::size_t i = 0; i < count; ++i)
-                        if (before[i] != row[x + i]) flags[(x + i) / kBrickX] = 1;
-                }
+                for (std::size_t x = 0; !first && x < grid_.nx; ++x)
+                    if (before[x] != now[x]) flags[x / kBrickX] = 1;
+                std::copy_n(now, grid_.nx, before);
             }
     });
     clipped_ = filled_ = false;
     require_finite(finite.load(std::memory_order_relaxed));
     const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
-    volume_.update_occupied(context(), all.low.data(), all.high.data());
+    for (OpacityVolume* volume : {&whole_, &volume_})
+        volume->update_occupied(context(), all.low.data(), all.high.data());
     if (first) {
         std::fill(pending_unclipped_.begin(), pending_unclipped_.end(), ~0u);
         std::fill(pending_.begin(), pending_.end(), ~0u);
@@ -55,7 +52,6 @@ void dfield_contextual::change_opacity() {
 // A block of the clipped volume: what is left of its voxels, their opacities, and the flags of its bricks.
 bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y,
                                      std::size_t z, bool retest, std::uint64_t& changed) {
-    constexpr std::size_t kBlock = kBlockX * kBlockY * kBlockZ;
     std::uint8_t left[kBlock];
     const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
                       nz = std::min(kBlockZ, grid_.nz - z);
@@ -84,7 +80,7 @@ bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::siz
     std::uint8_t differs[kBricks] = {}, occupied[kBricks] = {};
     for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
         float* const opacity = volume_.row(row_y, row_z) + x;
-        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx, opacity);
+        std::copy_n(whole_.row(row_y, row_z) + x, nx, opacity);
         for (std::size_t i = 0; i < nx; ++i) {
             const std::size_t brick = i / kBrickX;
             const bool matter = opacity[i] != 0, other = now[i] != before[i], turned = !now[i] != !before[i];

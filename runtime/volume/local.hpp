@@ -22,14 +22,20 @@ struct LocalPlan {
         std::ptrdiff_t offset;  // floats, to the lowest of the eight voxels around the sample
         std::ptrdiff_t window;  // to the window of a block's samples
         float fraction[3];
-        float weight;
+        float weight, slope;  // in quanta
     };
     LocalPlan(std::pmr::memory_resource* memory, const LocalRays& rays, const OpacityVolume& volume);
 
     const LocalRays* rays;                  // the caller's
-    std::pmr::vector<Step> steps;           // kept() a ray
+    std::pmr::vector<Step> steps;           // per_ray of each
     std::pmr::vector<std::uint8_t> inside;  // a ray: bit 0..2: some of its fractions along x, y, z are not 0
+    // With `whole`, what each ray lost is rounded to quanta, of which 2^23 to 2^24 are open: floats add them
+    // up exactly, in any order, and take them away again. A is then wrong by half a quantum a ray at most.
+    bool whole;
+    float open = 0, quantum = 1;
 };
+// More rays are not rounded, which would cost too much of the accuracy, and so not exchanged.
+constexpr std::size_t kMostExchanged = 256;
 
 // 4 x 2 x 4 blocks, whose rays are walked together, direction by direction, while what they read is in the
 // cache.
@@ -50,16 +56,44 @@ struct LocalJob {
     float* visibility = nullptr;  // out, packed on the volume's grid
 };
 
+// Calls use(bit, x, y, z) for a tile's wanted blocks that lie in the grid: their lowest voxels.
+template<class Use>
+void for_blocks(const Grid& grid, const Tile& tile, const Use& use) {
+    for (std::size_t bz = 0; bz < kTileBlocksZ; ++bz)
+        for (std::size_t by = 0; by < kTileBlocksY; ++by)
+            for (std::size_t bx = 0; bx < kTileBlocksX; ++bx) {
+                const std::size_t x = tile.x + bx * kBlockX, y = tile.y + by * kBlockY,
+                                  z = tile.z + bz * kBlockZ, bit = block_bit(bx, by, bz);
+                if ((tile.blocks >> bit & 1) && x < grid.nx && y < grid.ny && z < grid.nz) use(bit, x, y, z);
+            }
+}
+
 // A at the voxels of a tile's blocks. Any threads.
 using LocalFunction = void(const LocalJob& job, const Tile& tile);
 // Levels with fused multiplication and addition agree to the last bit, SSE4 with them within kLocalError.
 LocalFunction* local_function(std::int64_t targets);
+LocalFunction* local_approximate_function(std::int64_t targets);
 void local_reference(const LocalJob& job, const Tile& tile);
 // With jitter, at every level.
 void local_jittered(const LocalJob& job, const Tile& tile);
 inline LocalFunction* local_function(const dfield_context& context, const LocalRays& rays) {
-    return rays.jitter.most > 0 ? &local_jittered : local_function(context.simd_targets);
+    if (rays.jitter.most > 0) return &local_jittered;
+    return rays.approximate ? local_approximate_function(context.simd_targets)
+                            : local_function(context.simd_targets);
 }
+
+// The same for a clipped volume, from the factors of the unclipped one.
+struct ExchangeJob {
+    const OpacityVolume *before = nullptr, *now = nullptr;  // unclipped, clipped
+    const BrickFlags* differs = nullptr;                    // where they do
+    const LocalPlan* plan = nullptr;                        // for both
+    const float* unclipped = nullptr;                       // factors, packed
+    float* visibility = nullptr;                            // out
+};
+// Returns the blocks that it left undone, where computing all rays is less work.
+using ExchangeFunction = std::uint32_t(const ExchangeJob& job, const Tile& tile);
+// Null where there is none: for scalar code, with jitter, and for more rays than are rounded.
+ExchangeFunction* exchange_function(const dfield_context& context, const LocalRays& rays);
 
 constexpr float kLocalError = 2e-5f;
 
@@ -75,15 +109,16 @@ void for_voxels(const Grid& grid, const Tile& tile, const Compute& compute) {
                     compute(x, y, z);
 }
 
-// The opacity at voxel (x, y, z) + fraction: trilinear, 0 outside the grid.
+// The opacity at voxel (x, y, z) + fraction: trilinear, 0 outside the grid. `plane`: triples(), or 0.
 inline float opacity_at(const OpacityVolume& volume, std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z,
-                        const float* fraction) {
+                        const float* fraction, std::ptrdiff_t plane = 0) {
     const Grid& grid = volume.grid();
     const auto beyond = [](std::ptrdiff_t at, std::size_t n) {
         return at < -1 || at >= static_cast<std::ptrdiff_t>(n);
     };
     if (beyond(x, grid.nx) || beyond(y, grid.ny) || beyond(z, grid.nz)) return 0;
-    const float* const at = volume.row(0, 0) + x + y * volume.row_stride() + z * volume.slice_stride();
+    const float* const at =
+        volume.row(0, 0) + plane + x + y * volume.row_stride() + z * volume.slice_stride();
     const auto lerp = [](float low, float high, float t) { return low + t * (high - low); };
     const auto along_x = [&](const float* p) { return lerp(p[0], p[1], fraction[0]); };
     const auto along_y = [&](const float* p) {

@@ -44,6 +44,21 @@ std::vector<glm::dvec3> fibonacci_directions(std::size_t count) {
     return directions;
 }
 
+namespace {
+
+// Approximate rays: so many samples are exact, all others are taken three at a time. What an error costs
+// falls with the number of samples and with the distance.
+std::size_t near_samples(std::size_t kept) {
+    const std::size_t near = std::max<std::size_t>(5, (250 + kept) / (kept + 1));
+    return kept <= near ? kept : near + (kept - near) % 3;
+}
+
+// Of three samples of one opacity the first takes the most: of the light b that they take together, on the
+// average at the second but s b, where s grows from 0.22 to 0.52 with b up to 0.9.
+constexpr double kSooner = 0.38;
+
+}  // namespace
+
 LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, const RayOptions& options) {
     LocalRays rays{options.directions.size(),
                    options.samples,
@@ -53,8 +68,10 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
                    std::pmr::vector<glm::dvec3>(options.directions.begin(), options.directions.end(), memory),
                    std::pmr::vector<float>(memory),
                    std::pmr::vector<RayStep>(memory)};
-    const std::size_t kept = rays.kept();
-    rays.steps.reserve(rays.count * kept);
+    const std::size_t kept = rays.kept(), near = options.approximate ? near_samples(kept) : kept;
+    rays.approximate = options.approximate;
+    rays.per_ray = near + (kept - near) / 3;
+    rays.steps.reserve(rays.count * rays.per_ray);
     const glm::dvec3 spacing(grid.hx, grid.hy, grid.hz);
     if (options.world) rays.step /= spacing;
     double open = 0;
@@ -64,8 +81,10 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
         rays.weights.push_back(static_cast<float>(share));
         open += share;
         const glm::dvec3 voxels = options.directions[k] * rays.step;
-        for (std::size_t i = 1; i <= kept; ++i) {
+        for (std::size_t n = 1; n <= rays.per_ray; ++n) {
+            const std::size_t i = n <= near ? n : 3 * n - 2 * near - 1;
             RayStep step{};
+            step.far = n > near;
             for (int axis = 0; axis < 3; ++axis) {
                 const auto a = static_cast<std::size_t>(axis);
                 double at = voxels[axis] * static_cast<double>(i);
@@ -80,6 +99,8 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
             }
             step.weight = static_cast<float>(share * static_cast<double>(rays.samples - i) /
                                              static_cast<double>(rays.samples));
+            if (step.far)
+                step.slope = static_cast<float>(share * kSooner / static_cast<double>(rays.samples));
             rays.steps.push_back(step);
         }
     }

@@ -27,6 +27,10 @@ struct RayStep {
     // What the light that this sample takes away costs the voxel: of equation 2's M terms those from i + 1 on
     // have its factor, so (M - i) / M, times w_k / K.
     float weight;
+    // Approximate rays, far steps: the sample stands for the ones beside it too, its opacity is that of
+    // three. What a sample takes away costs weight + slope * opacity: the more opaque, the sooner.
+    float slope = 0;
+    bool far = false;
 };
 
 // Turns of rays at random, other ones at every voxel.
@@ -43,15 +47,18 @@ struct LocalRays {
     glm::dvec3 step{1};                       // voxels along the axes, per length of a direction
     std::pmr::vector<glm::dvec3> directions;  // unit vectors
     std::pmr::vector<float> weights;          // w_k / K
-    // kept() steps a ray. A ray's last sample is not among them: equation 2 multiplies nothing by its
-    // opacity.
+    // per_ray of each. A ray's last sample is not among them: equation 2 multiplies nothing by its opacity.
     std::pmr::vector<RayStep> steps;
+    std::size_t per_ray = 0;  // kept(), or fewer if approximate
+    bool approximate = false;
     // Voxels that are read lie within [x + low, x + high].
     std::array<std::int32_t, 3> low{}, high{};
     float reach = 0;  // the farthest sample that counts, world units
 
     std::size_t kept() const { return samples - 1; }
-    std::span<const RayStep> ray(std::size_t k) const { return std::span(steps).subspan(k * kept(), kept()); }
+    std::span<const RayStep> ray(std::size_t k) const {
+        return std::span(steps).subspan(k * per_ray, per_ray);
+    }
 };
 
 struct RayOptions {
@@ -61,6 +68,7 @@ struct RayOptions {
     double step = 1;  // between samples, in voxels or world units
     bool world = false;
     Jitter jitter;
+    bool approximate = false;  // without jitter
 };
 LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, const RayOptions& options);
 

@@ -32,6 +32,9 @@ dfield_local_desc checked_local(const dfield_local_desc* given) {
     require(std::isfinite(desc.step) && desc.step > 0,
             "local ambient occlusion: step must be finite and above 0");
     require(desc.jitter >= 0 && desc.jitter <= 1, "local ambient occlusion: jitter must be 0..1");
+    require(desc.approximate <= 1, "local ambient occlusion: approximate must be 0 or 1");
+    require(desc.approximate == 0 || desc.jitter == 0,
+            "local ambient occlusion: approximate rays have no jitter; choose one of them");
     for (std::uint32_t k = 0; desc.weights && k < desc.ray_count; ++k)
         require(std::isfinite(desc.weights[k]) && desc.weights[k] >= 0,
                 "local ambient occlusion: weights must be finite and not negative");
@@ -52,6 +55,7 @@ LocalRays rays_of(dfield_context* context, const Grid& grid, const dfield_local_
     options.step = static_cast<double>(desc.step);
     options.world = desc.step_unit == DFIELD_STEP_WORLD;
     options.jitter = {desc.jitter, desc.seed};
+    options.approximate = desc.approximate != 0;
     const double voxel = options.world ? static_cast<double>(grid.h()) : 1.0;
     require(options.step * desc.samples / voxel <= DFIELD_MAX_VOLUME_DIM,
             "local ambient occlusion: rays are longer than 65536 voxels; is step in the right unit?");

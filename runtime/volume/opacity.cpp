@@ -145,7 +145,8 @@ void BrickFlags::update_windows(const std::size_t low[3], const std::size_t high
         }
 }
 
-OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high)
+OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high,
+                             bool with_triples)
     : grid_(grid), occupied_(context, grid, low, high) {
     const auto odd_lines = [](std::size_t floats) {
         const std::size_t lines = (floats + 15) / 16;
@@ -157,7 +158,20 @@ OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Of
     // Before the first voxel: slices, rows, and a row's own padding, rounded to keep rows aligned.
     const std::size_t before = kPadZ * slice + kPadY * row + round_up(kPadX, 16);
     origin_ = static_cast<std::ptrdiff_t>(before);
-    values_ = Buffer<float>(context, before + (grid.nz + kPadZ) * slice + kPadY * row + 2 * kPadX, 0.0f);
+    const std::size_t all = round_up(before + (grid.nz + kPadZ) * slice + kPadY * row + 2 * kPadX, 16);
+    triples_ = static_cast<std::ptrdiff_t>(with_triples ? all : 0);
+    values_ = Buffer<float>(context, with_triples ? 2 * all : all, 0.0f);
+}
+
+void OpacityVolume::fill_triples(dfield_context* context) const {
+    context->for_ranges(grid_.ny * grid_.nz, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float* const from = row(i % grid_.ny, i / grid_.ny);
+            float* const to = row(i % grid_.ny, i / grid_.ny) + triples_;
+            // Not 0 where the opacity is not, so that the same bricks are empty.
+            for (std::size_t x = 0; x < grid_.nx; ++x) to[x] = from[x] * (3 - from[x] * (3 - from[x]));
+        }
+    });
 }
 
 void OpacityVolume::update_occupied(dfield_context* context, const std::size_t low[3],

@@ -38,7 +38,7 @@ class OpacityFunction {
 };
 
 // Blocks are what voxels are computed in; bricks what is known to be empty or not.
-constexpr std::size_t kBlockX = 16, kBlockY = 4, kBlockZ = 2;
+constexpr std::size_t kBlockX = 16, kBlockY = 4, kBlockZ = 2, kBlock = kBlockX * kBlockY * kBlockZ;
 constexpr std::size_t kBrickX = 4, kBrickY = 4, kBrickZ = 2;
 
 using Offset = std::array<std::int32_t, 3>;
@@ -84,7 +84,9 @@ class BrickFlags {
 // neighbours do not compete for the same sets of the cache.
 class OpacityVolume {
   public:
-    OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high);
+    // with_triples: with room for the opacities of three layers.
+    OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high,
+                  bool with_triples = false);
 
     float* row(std::size_t y, std::size_t z) const {
         return values_ + origin_ + static_cast<std::ptrdiff_t>(y) * row_ +
@@ -95,11 +97,14 @@ class OpacityVolume {
     const BrickFlags& occupied() const { return occupied_; }
     // Sets the flags of the bricks that voxels [low, high) lie in, and their windows.
     void update_occupied(dfield_context* context, const std::size_t low[3], const std::size_t high[3]);
+    // How many floats after a voxel's opacity a the one of three layers of it lies: 1 - (1 - a)^3.
+    std::ptrdiff_t triples() const { return triples_; }
+    void fill_triples(dfield_context* context) const;
     const Grid& grid() const { return grid_; }
 
   private:
     Grid grid_;
-    std::ptrdiff_t row_, slice_, origin_;
+    std::ptrdiff_t row_, slice_, origin_, triples_;
     Buffer<float> values_;
     BrickFlags occupied_;
 };

@@ -84,6 +84,27 @@ TEST_CASE("volume lao writes factors and says how fast") {
     CHECK(scene.values("one.nrrd") != ao);
 }
 
+TEST_CASE("volume lao --approximate is near, and says so") {
+    const Scene scene;
+    const Arguments samples{"--tf", "tf.json", "--ray-samples", "40"};
+    const auto factors = [&](const char* output, Arguments more) {
+        more.insert(more.end(), samples.begin(), samples.end());
+        more.insert(more.end(), {"-o", output, "--json", "-"});
+        const Run run = scene.volume("lao", more);
+        INFO(run.err);
+        REQUIRE(run.exit_code == 0);
+        CHECK(run.json()["approximate"] == (more.front() == "--approximate"));
+        return scene.values(output);
+    };
+    const auto exact = factors("exact.nrrd", {"--threads", "1"}),
+               near = factors("near.nrrd", {"--approximate"});
+    float largest = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) largest = std::max(largest, std::abs(exact[i] - near[i]));
+    CHECK(largest > 0);
+    CHECK(largest < 0.02f);
+    CHECK(scene.volume("cao", {"--tf", "tf.json", "--clip", "cube.obj", "--approximate"}).exit_code == 2);
+}
+
 TEST_CASE("volume cao is local ambient occlusion of the clipped volume") {
     const Scene scene;
     scene.write("frames.json", R"({"frames": [{"move": [0, 0, 0]}, {"move": [3, 0, 0], "turn": [0, 0, 1, 40]},

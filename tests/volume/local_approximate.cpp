@@ -1,0 +1,101 @@
+// Long rays taken three samples at a time, against exact ones.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "tests/volume/local_volumes.hpp"
+
+using namespace dfield;
+using namespace dfield::test;
+
+namespace {
+
+dfield_local_desc approximate(dfield_local_desc desc) {
+    desc.approximate = 1;
+    return desc;
+}
+
+double rms_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+        squares += difference * difference;
+    }
+    return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
+// Balls of some voxels with soft skins in empty space, as scans resampled to many voxels have them.
+models::ScalarVolume balls(models::Dims dims) {
+    models::ScalarVolume volume{dims, models::kUnitSpacing, {}};
+    for (std::uint32_t z = 0; z < dims[2]; ++z)
+        for (std::uint32_t y = 0; y < dims[1]; ++y)
+            for (std::uint32_t x = 0; x < dims[0]; ++x) {
+                const double dx = x % 48 - 24.0, dy = y % 48 - 24.0, dz = z % 48 - 24.0;
+                const double depth = 9 - std::sqrt(dx * dx + dy * dy + dz * dz);
+                volume.values.push_back(static_cast<float>(std::fmin(255.0, std::fmax(0.0, 30 * depth))));
+            }
+    return volume;
+}
+
+}  // namespace
+
+TEST_CASE("Approximate long rays are within 5e-4 of exact ones", "[volume][local]") {
+    const models::ScalarVolume volume = balls({96, 72, 48});
+    const dfield_local_desc desc = local_desc(54, 50);
+    const auto exact = local_ao(volume, desc), near = local_ao(volume, approximate(desc));
+    const double rms = rms_difference(exact, near);
+    CHECK(rms > 0);
+    CHECK(rms < 5e-4);
+    CHECK(largest_difference(exact, near) < 0.01f);
+}
+
+TEST_CASE("Approximate rays at every level, and where they are exact", "[volume][local]") {
+    const models::ScalarVolume volume = blobs({45, 30, 21}, 3);
+    for (const std::uint32_t samples : {7u, 26u, 41u, 52u}) {
+        dfield_local_desc desc = local_desc(samples == 26 ? 33 : 26, samples);
+        const std::vector<float> weights(desc.ray_count, 0.7f);
+        if (samples == 41) desc.weights = weights.data();
+        const auto reference = local_ao(volume, approximate(desc), {}, DFIELD_SIMD_SCALAR);
+        for (const dfield_simd level : {DFIELD_SIMD_BEST, DFIELD_SIMD_AVX2, DFIELD_SIMD_SSE4})
+            CHECK(largest_difference(local_ao(volume, approximate(desc), {}, level), reference) < 2e-5f);
+        // Rays too short to have far samples.
+        const auto exact = local_ao(volume, desc, {}, DFIELD_SIMD_SCALAR);
+        CHECK((largest_difference(exact, reference) < 2e-5f) == (samples == 7));
+    }
+    // Of a haze so thin that nothing is lost twice, three samples are three times the middle one.
+    models::ScalarVolume haze{{90, 90, 90}, models::kUnitSpacing, std::vector<float>(90 * 90 * 90, 1.0f)};
+    Transfer thin;
+    thin.points = {{0, 1e-5f}};
+    const auto desc = local_desc(14, 44);
+    const std::size_t middle = haze.index(45, 45, 45);
+    CHECK(local_ao(haze, approximate(desc), thin)[middle] ==
+          Approx(local_ao(haze, desc, thin)[middle]).margin(1e-7));
+}
+
+TEST_CASE("Approximate rays of a clipped volume, and what cannot be approximate", "[volume][local]") {
+    const Context context;
+    const models::ScalarVolume volume = blobs({40, 30, 20}, 4);
+    const Transfer transfer;
+    dfield_local_desc desc = approximate(local_desc(14, 50));
+    std::vector<float> clipped(volume.values.size());
+    local_ao_volume_clipped(context, samples_of(volume), transfer.desc(), desc, nullptr, 0, 32,
+                            clipped.data());
+    CHECK(largest_difference(clipped, local_ao(volume, desc)) == 0);
+
+    dfield_contextual_desc session = contextual_defaults();
+    session.samples = samples_of(volume);
+    session.opacity = transfer.desc();
+    session.local = desc;
+    dfield_contextual* handle = nullptr;
+    CHECK(dfield_contextual_create(context.get(), &session, &handle) == DFIELD_INVALID_ARGUMENT);
+    CHECK(std::strstr(dfield_error_message(), "exact") != nullptr);
+    const dfield_opacity_desc opacity = transfer.desc();
+    const dfield_volume_samples samples = samples_of(volume);
+    desc.jitter = 0.5f;
+    CHECK(dfield_volume_local_ao(context.get(), &samples, &opacity, &desc, clipped.data()) ==
+          DFIELD_INVALID_ARGUMENT);
+    desc.jitter = 0;
+    desc.approximate = 2;
+    CHECK(dfield_volume_local_ao(context.get(), &samples, &opacity, &desc, clipped.data()) ==
+          DFIELD_INVALID_ARGUMENT);
+}
