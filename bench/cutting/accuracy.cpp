@@ -45,7 +45,9 @@ Result result_of(const Lab& lab, const Scene& scene, const cli::LocalOptions& op
     session.add(stage.clip(mesh, scene.first));
     session.update();
     Result result{{session.visibility(), session.visibility() + stage.voxels()}, {}};
-    if (drawn) result.picture = draw(scene, session, result.visibility, {scene.to_eye, 320, 320}, lab);
+    // As they are: a gain would be one of the errors too.
+    const Frame frame{.to_eye = scene.to_eye, .width = 320, .height = 320, .gain = 1};
+    if (drawn) result.picture = draw(scene, session, result.visibility, frame, lab);
     return result;
 }
 
@@ -101,8 +103,9 @@ Json measure_accuracy(Lab& lab) {
     for (const char* name : kSceneNames) {
         const std::optional<Scene> scene = make_scene(lab, name);
         if (!scene) continue;
-        figures["scenes"][name] = accuracy_of(lab, *scene);
-        for (const auto& [rays, row] : figures["scenes"][name]["rays"].items()) {
+        const Json found = accuracy_of(lab, *scene);
+        figures["scenes"][name] = found;
+        for (const auto& [rays, row] : found["rays"].items()) {
             Json& worst = figures["worst"][rays];
             worst = std::max(worst.is_null() ? 0.0 : worst.get<double>(), row["paper_set"].get<double>());
             const double better = std::min(row["weighted"].get<double>(), row["fibonacci"].get<double>()) /

@@ -32,7 +32,9 @@ const volumes::Chapter& cutting_chapter() {
         "local ambient occlusion (LAO) and contextual (CAO), which is the same while meshes cut the volume; "
         "and what this project asks of them. Times are of one core unless said otherwise, of whole calls "
         "through the C interface; the fastest of a few turns counts. Transfer functions are in "
-        "[models/transfer_functions](../models/transfer_functions).",
+        "[models/transfer_functions](../models/transfer_functions). Pictures show twice the factors, at most "
+        "1, so "
+        "that planes that nothing hides are not dark.",
         kPieces, asked()};
     return kChapter;
 }

@@ -81,9 +81,10 @@ Json draw_figure1(Lab& lab) {
                             static_cast<double>(to[2]));
     scene.first.centre = glm::dvec3(0.5, 0.5, 0.55) * extent;
     scene.first.scale = 0.42 * extent.x;
-    scene.second.centre = glm::dvec3(0.62, 0.35, 0.85) * extent;
-    scene.second.scale = 0.2 * extent.x;
-    const Frame frame{{0.5f, 1, 0.5f}, kPixels, kPixels};
+    scene.second.centre = glm::dvec3(0.62, 0.6, 0.12) * extent;
+    scene.second.scale = 0.24 * extent.x;
+    // Its slices run downwards.
+    const Frame frame{.to_eye = {0.6f, 1, -0.8f}, .width = kPixels, .height = kPixels, .up = {0, 0, -1}};
     const std::array<Image, 2> images{Cut(scene, {&scene.first, &scene.second}).contextual(lab, frame),
                                       Cut(scene, {&scene.second}).contextual(lab, frame)};
     return save(lab, "cutting_figure1", images, std::array<std::string, 2>{"torus and cylinder", "cylinder"});
@@ -99,7 +100,7 @@ Json draw_figure8(Lab& lab) {
     const std::optional<Scene> scene = make_scene(lab, "engine");
     if (!scene) return Json::object();
     Frame frame = close_up(*scene);
-    frame.zoom = 4;
+    frame.zoom = 6;
     const std::array<Image, 2> images{Cut(*scene, {&scene->first}, 0).contextual(lab, frame),
                                       Cut(*scene, {&scene->first}).contextual(lab, frame)};
     return save(lab, "cutting_figure8", images,

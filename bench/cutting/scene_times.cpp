@@ -67,7 +67,7 @@ Json times(const Scene& scene, const Stage& stage, int rounds) {
 // whether its factors are those of the clipped volume computed from scratch.
 Json memory_and_identity(const Scene& scene) {
     bench::Meter meter;
-    const Stage stage(scene, 54, 0, meter.hooks());
+    const Stage stage(scene, 54, 1, meter.hooks());  // threads would have hooks of their own
     std::size_t peak;
     bool identical;
     const ClipMesh mesh = stage.mesh(scene.first);

@@ -1,5 +1,6 @@
 #include "bench/cutting/stage.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -75,7 +76,7 @@ dfield_clip Stage::clip(const ClipMesh& mesh, const Cutter& cutter) const {
 Image draw(const Scene& scene, const Contextual& session, std::span<const float> visibility,
            const Frame& frame, const Lab& lab) {
     const std::vector<float> values = float_values(scene.volume);
-    Camera camera = frame_volume(scene.volume.grid, frame.to_eye, {0, 0, 1}, frame.fov_degrees,
+    Camera camera = frame_volume(scene.volume.grid, frame.to_eye, frame.up, frame.fov_degrees,
                                  static_cast<float>(frame.width) / static_cast<float>(frame.height));
     const glm::vec3 eye = camera.eye - camera.target;
     camera.target += glm::vec3(frame.towards);
@@ -87,7 +88,9 @@ Image draw(const Scene& scene, const Contextual& session, std::span<const float>
     options.height = lab.stock.pixels(frame.height);
     options.samples = lab.stock.quick() ? 1 : 2;
     VolumeStyle style;
-    style.visibility = visibility;
+    std::vector<float> brighter(visibility.begin(), visibility.end());
+    for (float& factor : brighter) factor = std::min(1.0f, frame.gain * factor);
+    style.visibility = brighter;
     style.clipped = [&](const glm::vec3& voxel) {
         std::uint8_t away = 0;
         check(dfield_contextual_test_points(session.get(), 1, &voxel.x, 0, &away));

@@ -40,6 +40,8 @@ struct Frame {
     float fov_degrees = 30;
     double zoom = 1;        // of the picture's middle
     glm::dvec3 towards{0};  // voxels that the picture's middle moves from the volume's
+    float gain = 2;         // of visibility, up to 1: a plane, half of whose sky is open, is not darkened
+    glm::vec3 up{0, 0, 1};
 };
 // The scene through its transfer function as a session's clips leave it, darkened by `visibility`; empty: by
 // nothing.

@@ -33,7 +33,12 @@ LocalFunction* local_function(std::int64_t targets) {
 }
 
 LocalPlan::LocalPlan(std::pmr::memory_resource* memory, const LocalRays& from, const OpacityVolume& volume)
-    : rays(&from), steps(memory), inside(memory), whole(from.count <= kMostExchanged) {
+    : rays(&from),
+      steps(memory),
+      inside(memory),
+      runs(memory),
+      run_ends(memory),
+      whole(from.count <= kMostExchanged) {
     // 2^24 quanta are what is open, or more: floats hold them all.
     int exponent = 0;
     if (std::frexp(from.open, &exponent) == 0.5f) --exponent;
@@ -57,6 +62,13 @@ LocalPlan::LocalPlan(std::pmr::memory_resource* memory, const LocalRays& from, c
                 if (step.fraction[axis] != 0) axes = static_cast<std::uint8_t>(axes | 1u << axis);
         }
         inside.push_back(axes);
+        const std::size_t begin = run_ends.empty() ? 0 : run_ends.back();
+        for (std::size_t i = 0; i < from.per_ray; ++i) {
+            const std::ptrdiff_t window = steps[k * from.per_ray + i].window;
+            if (runs.size() == begin || runs.back().window != window)
+                runs.push_back({window, static_cast<std::uint32_t>(i)});
+        }
+        run_ends.push_back(runs.size());
     }
 }
 

@@ -29,6 +29,14 @@ struct LocalPlan {
     const LocalRays* rays;                  // the caller's
     std::pmr::vector<Step> steps;           // per_ray of each
     std::pmr::vector<std::uint8_t> inside;  // a ray: bit 0..2: some of its fractions along x, y, z are not 0
+    // The windows that a ray's steps look into, each once, with the first step that does: those of ray k end
+    // at run_ends[k].
+    struct Run {
+        std::ptrdiff_t window;
+        std::uint32_t first;
+    };
+    std::pmr::vector<Run> runs;
+    std::pmr::vector<std::size_t> run_ends;
     // With `whole`, what each ray lost is rounded to quanta, of which 2^23 to 2^24 are open: floats add them
     // up exactly, in any order, and take them away again. A is then wrong by half a quantum a ray at most.
     bool whole;

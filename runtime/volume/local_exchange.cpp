@@ -49,13 +49,13 @@ std::uint32_t exchange(const ExchangeJob& job, const Tile& tile) {
     for_blocks(grid, tile, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
         const std::uint8_t* const differs = job.differs->window(x, y, z);
         std::uint16_t first[kMostExchanged];  // step of each ray; all of them where there is none
-        std::size_t work = 0;
+        std::size_t work = 0, run = 0;
         for (std::size_t k = 0; k < rays.count; ++k) {
-            const LocalPlan::Step* const steps = plan.steps.data() + k * rays.per_ray;
-            std::size_t i = 0;
-            while (i < rays.per_ray && !differs[steps[i].window]) ++i;
+            while (run < plan.run_ends[k] && !differs[plan.runs[run].window]) ++run;
+            const std::size_t i = run < plan.run_ends[k] ? plan.runs[run].first : rays.per_ray;
             first[k] = static_cast<std::uint16_t>(i);
             if (i < rays.per_ray) work += 2 * rays.per_ray - i;
+            run = plan.run_ends[k];
         }
         if (work > rays.count * rays.per_ray) {
             left |= 1u << bit;

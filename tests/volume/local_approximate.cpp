@@ -30,7 +30,7 @@ models::ScalarVolume balls(models::Dims dims) {
     for (std::uint32_t z = 0; z < dims[2]; ++z)
         for (std::uint32_t y = 0; y < dims[1]; ++y)
             for (std::uint32_t x = 0; x < dims[0]; ++x) {
-                const double dx = x % 48 - 24.0, dy = y % 48 - 24.0, dz = z % 48 - 24.0;
+                const double dx = x % 60 - 30.0, dy = y % 60 - 30.0, dz = z % 60 - 30.0;
                 const double depth = 9 - std::sqrt(dx * dx + dy * dy + dz * dz);
                 volume.values.push_back(static_cast<float>(std::fmin(255.0, std::fmax(0.0, 30 * depth))));
             }
@@ -40,7 +40,7 @@ models::ScalarVolume balls(models::Dims dims) {
 }  // namespace
 
 TEST_CASE("Approximate long rays are within 5e-4 of exact ones", "[volume][local]") {
-    const models::ScalarVolume volume = balls({96, 72, 48});
+    const models::ScalarVolume volume = balls({120, 60, 60});
     const dfield_local_desc desc = local_desc(54, 50);
     const auto exact = local_ao(volume, desc), near = local_ao(volume, approximate(desc));
     const double rms = rms_difference(exact, near);
