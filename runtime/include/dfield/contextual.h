@@ -100,7 +100,7 @@ typedef struct dfield_contextual_desc {
 
 /* local_defaults, DFIELD_CLIP_SAMPLES, CHANGED; no volume, no transfer function. */
 DFIELD_API void dfield_contextual_desc_init(dfield_contextual_desc* desc);
-/* Allocates about 3.5 floats a voxel; computes nothing yet. */
+/* Allocates about 5 floats a voxel, the mesh's tables apart; computes nothing yet. */
 DFIELD_API dfield_status dfield_contextual_create(dfield_context* context, const dfield_contextual_desc* desc,
                                                   dfield_contextual** session);
 DFIELD_API void dfield_contextual_release(dfield_contextual* session); /* null is fine */
