@@ -37,21 +37,25 @@ Json times(const Scene& scene, const Stage& stage, int rounds) {
     for (int round = 0; round < rounds; ++round) {
         const double seconds = stage.lao(visibility);
         lao = round ? std::min(lao, seconds) : seconds;
-        std::uint32_t id = session.add(first);
+        std::vector<std::uint32_t> ids;
+        const auto add = [&](const dfield_clip& clip) { ids.push_back(session.add(clip)); };
+        const auto remove_all = [&] {
+            for (const std::uint32_t id : ids) session.remove(id);
+            ids.clear();
+            session.update();
+        };
+        add(first);
         keep_faster(alone, update(session, stage.voxels()), round);
-        session.remove(id);
+        remove_all();
+        add(second);
         session.update();
-        const std::uint32_t other = session.add(second);
-        session.update();
-        id = session.add(first);
+        add(first);
         keep_faster(beside, update(session, stage.voxels()), round);
-        session.remove(id);
-        session.remove(other);
-        session.update();
-        id = session.add(first);
-        session.add(second);
+        remove_all();
+        add(first);
+        add(second);
         keep_faster(both, update(session, stage.voxels()), round);
-        session = stage.session();
+        remove_all();
     }
     return {{"lao", lao},
             {"gsamples", stage.gsamples() / lao},
