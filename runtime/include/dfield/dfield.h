@@ -1,10 +1,16 @@
 /* dfield: looks precomputed visibility up. C99, no dependencies. This header is all that is needed; it
-   includes base.h          version, status codes, messages context.h       hooks: memory, threads, log,
-   instruction set field.h         loaded .dfield files scene.h         instances of fields, and snapshots of
-   them rays.h          rays: nearest hits, occlusion ambient.h       ambient occlusion of receivers, bent
-   normals, harmonics, masks receiver_set.h  receivers that stay from frame to frame, updated where something
-   changed volume.h        volumes: distance fields and occlusion by sweeping
-   local.h         local ambient occlusion of volumes contextual.h    the same while meshes cut them
+   includes
+   - base.h: version, status codes, messages
+   - context.h: hooks for memory, threads, log; instruction set
+   - field.h: loaded .dfield files
+   - scene.h: instances of fields, and snapshots of them
+   - rays.h: nearest hits, occlusion
+   - ambient.h: ambient occlusion of receivers, bent normals, harmonics, masks
+   - receiver_set.h: receivers that stay from frame to frame, updated where something changed
+   - volume.h: volumes: distance fields and occlusion by sweeping
+   - local.h: local ambient occlusion of volumes
+   - contextual.h: the same while meshes cut them
+   - screen.h: ambient occlusion and indirect light of depth buffers
 
    A *field* (a .dfield file, baked offline) knows of one rigid object what it hides, for every line that
    meets its bounding sphere. A *scene* places instances of fields by affine transforms and answers rays and
@@ -37,6 +43,7 @@
 #include "dfield/rays.h"
 #include "dfield/receiver_set.h"
 #include "dfield/scene.h"
+#include "dfield/screen.h"
 #include "dfield/volume.h"
 
 #endif

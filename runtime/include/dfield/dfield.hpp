@@ -357,6 +357,44 @@ class Contextual {
     detail::Handle<dfield_contextual, dfield_contextual_release> handle_;
 };
 
+// Screen space: sample sets and memory that stays from frame to frame. One thread at a time.
+inline dfield_screen_desc screen_defaults() noexcept {
+    dfield_screen_desc desc;
+    dfield_screen_desc_init(&desc);
+    return desc;
+}
+// All members null and zero.
+inline dfield_screen_buffers no_screen_buffers() noexcept {
+    dfield_screen_buffers buffers{};
+    buffers.struct_size = sizeof buffers;
+    return buffers;
+}
+inline dfield_screen_outputs no_screen_outputs() noexcept {
+    dfield_screen_outputs outputs{};
+    outputs.struct_size = sizeof outputs;
+    return outputs;
+}
+class Screen {
+  public:
+    explicit Screen(const Context& context, const dfield_screen_desc& desc = screen_defaults()) {
+        dfield_screen* handle = nullptr;
+        check(dfield_screen_create(context.get(), &desc, &handle));
+        handle_.reset(handle);
+    }
+    void shade(const dfield_screen_buffers& buffers, const dfield_screen_outputs& outputs) {
+        check(dfield_screen_shade(handle_.get(), &buffers, &outputs));
+    }
+    // pixels may be null: all; indirect may be null.
+    void integral(const dfield_screen_buffers& buffers, const std::uint32_t* pixels, std::size_t count,
+                  float* visibility, float* indirect = nullptr) {
+        check(dfield_screen_integral(handle_.get(), &buffers, pixels, count, visibility, indirect));
+    }
+    dfield_screen* get() const noexcept { return handle_.get(); }
+
+  private:
+    detail::Handle<dfield_screen, dfield_screen_release> handle_;
+};
+
 }  // namespace dfield
 
 #endif

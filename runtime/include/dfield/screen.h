@@ -19,7 +19,7 @@
      first point that is hidden.
    - Quasi-orthogonal (section 3.1): the rays of sight are parallel, so that a point of the sphere is looked
      up where the ray through it meets the plane of s across the camera's axis, and its depth is compared with
-     that pixel's. See dfield_screen_rays for what they are parallel to.
+     that pixel's. See dfield_screen_sight for what they are parallel to.
    - The depth of a pixel holds for all of it.
    - Nothing hides what lies outside the picture: samples there are open. Render a margin if that shows.
    - A normal that looks away from the viewer is turned until it is perpendicular to the ray of sight.
@@ -110,18 +110,19 @@ typedef enum dfield_fuzzy_measure {
 } dfield_fuzzy_measure;
 
 /* What the rays of sight around s are taken to be parallel to, with perspective. */
-typedef enum dfield_screen_rays {
-    DFIELD_RAYS_VIEW = 0, /* the ray through s: planes stay planes up to R / depth. The default */
-    DFIELD_RAYS_AXIS = 1  /* z, as the paper has it: slanted planes away from the middle hide themselves */
-} dfield_screen_rays;
+typedef enum dfield_screen_sight {
+    DFIELD_SIGHT_VIEW = 0, /* the ray through s: planes stay planes up to R / depth. The default */
+    DFIELD_SIGHT_AXIS = 1  /* z, as the paper has it: slanted planes away from the middle hide themselves */
+} dfield_screen_sight;
 
 /* How the terms of SPHERE, HEMISPHERE, TANGENT and DISK are made a value. */
 typedef enum dfield_screen_weights {
     /* Divided by the sum of the same samples' terms where all is open: 1 on an open plane, 0 where nothing is
-       open, less noise between; consistent. Also what normalises TANGENT. The default. */
+       open, less noise between; consistent. DISK's samples are
+       denser in its middle, where the pipes are longer. Also what normalises TANGENT. The default. */
     DFIELD_WEIGHTS_RATIO = 0,
-    /* The paper's unbiased sums. TANGENT is divided by what the integral gives where all is open (QUARTIC:
-       0.4) unless tangent_as_printed. */
+    /* The paper's unbiased sums of uniform samples. TANGENT is divided by what the integral gives where all
+       is open (QUARTIC: 0.4) unless tangent_as_printed. */
     DFIELD_WEIGHTS_PLAIN = 1
 } dfield_screen_weights;
 
@@ -143,7 +144,7 @@ typedef struct dfield_screen_desc {
        R, and sky. */
     uint32_t filter;
     float filter_limit;          /* > 0, shares of R */
-    uint32_t rays;               /* dfield_screen_rays */
+    uint32_t sight;              /* dfield_screen_sight */
     uint32_t weights;            /* dfield_screen_weights */
     uint32_t tangent_as_printed; /* not 0: TANGENT with PLAIN as in 4.4, 0.4 on an open plane with QUARTIC */
     float ambient[3];            /* La, >= 0, for reflected radiance */
@@ -171,8 +172,11 @@ DFIELD_API void dfield_screen_release(dfield_screen* screen); /* null is fine */
 typedef struct dfield_screen_outputs {
     size_t struct_size;              /* sizeof(dfield_screen_outputs) */
     dfield_screen_target visibility; /* O, 1 float: 0..1 but for PLAIN; sky: 1 */
-    /* I, 3 floats; sky: 0. The average radiance is that of the samples' surfaces within R that are turned to
-       s (section 3.1) and in front of its tangent plane. Needs radiance. */
+    /* I, 3 floats; sky: 0. L~ is the mean over the samples, each with the radiance of the pixel it is looked
+       up in and the weight 1 - (r/R)^4, r the distance of that pixel's surface from s: none from R on.
+       Surfaces that are turned away from s (the test of section 3.1) or behind its tangent plane have none
+       either; the two tests fade in over R/16, since nothing else would be stable on a plane. Needs radiance.
+     */
     dfield_screen_target indirect;
     dfield_screen_target reflected; /* a (La O + I), 3 floats; I = 0 without radiance; sky: 0 */
 } dfield_screen_outputs;

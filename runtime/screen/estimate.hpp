@@ -1,0 +1,85 @@
+// The estimators as a job: raw values of the pixels of some rows, before the filter.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "screen/frame.hpp"
+#include "screen/measure.hpp"
+#include "screen/samples.hpp"
+
+namespace dfield::runtime::screen {
+
+// A column of the disk of radius 1, and the inverse of the density it has been chosen with: 1, or 1 - rho^2.
+struct DiskSample {
+    float x, y, weight;
+};
+// A point of the unit ball; IMPORTANCE and MARCH: a point of the unit disk and, for IMPORTANCE, a distance.
+using PointSample = glm::vec3;
+
+// What a dfield_screen does, checked.
+struct Settings {
+    dfield_screen_desc desc;
+    Measure measure;
+
+    explicit Settings(const dfield_screen_desc* given);
+    bool ratio() const { return desc.weights == DFIELD_WEIGHTS_RATIO; }
+    bool disk() const { return desc.estimator == DFIELD_ESTIMATOR_DISK; }
+    SampleSets<DiskSample> disk_sets(std::pmr::memory_resource* memory) const;
+    SampleSets<PointSample> point_sets(std::pmr::memory_resource* memory) const;
+};
+
+// Sums over a pixel's samples. `open`: what `seen` is where nothing hides anything.
+struct Estimate {
+    float seen = 0, open = 0;
+    glm::vec3 radiance{0};
+    float radiance_weight = 0;
+
+    glm::vec3 average_radiance() const {
+        return radiance_weight > 0 ? radiance / radiance_weight : glm::vec3(0);
+    }
+};
+
+struct EstimateJob {
+    const Frame* frame = nullptr;
+    const Settings* settings = nullptr;
+    const SampleSets<DiskSample>* disk = nullptr;     // DISK's
+    const SampleSets<PointSample>* points = nullptr;  // the others'
+    bool indirect = false;
+    // Out, planes of frame->layout. indirect: three after each other.
+    float* visibility = nullptr;
+    float* light = nullptr;
+    float* slopes =
+        nullptr;  // two: the tangent plane's depth from pixel to pixel along rows and columns. May be null
+};
+
+// The pattern that a disk's samples are spread over: a circle around s, in pixels. Its radius is that of the
+// sphere across the ray of sight, rounded up to one of eight sizes an octave, so that pixels side by side
+// share it: what lies outside the sphere has no volume. Samples are moved to pixels' centres.
+struct Pattern {
+    static constexpr float kMost = 0x1p20f;
+    static constexpr unsigned kDropped = 20;  // of a float's 23 bits
+
+    explicit Pattern(const Shaded& s) : Pattern(reach_of(s), s.pixel_x / s.pixel_y) {}
+    Pattern(float reach, float aspect) {
+        const auto bits = std::bit_cast<std::uint32_t>(std::clamp(reach, 0.5f, kMost));
+        radius_x = std::bit_cast<float>((bits + (1u << kDropped) - 1) >> kDropped << kDropped);
+        radius_y = radius_x * aspect;
+    }
+    float columns(const DiskSample& sample) const { return std::floor(sample.x * radius_x + 0.5f); }
+    float rows(const DiskSample& sample) const { return std::floor(0.5f - sample.y * radius_y); }
+
+    float radius_x, radius_y;
+};
+
+// Adds the radiance of a pixel that was looked up.
+void add_radiance(const EstimateJob& job, const Shaded& s, const Seen& seen, Estimate& sum);
+
+// O from a pixel's sums.
+float visibility_of(const Settings& settings, const Shaded& s, const Estimate& sum);
+
+// A row, as the paper has it: what the vectorised forms are held against, and what contexts capped at
+// DFIELD_SIMD_SCALAR run.
+void estimate_reference(const EstimateJob& job, std::int32_t row);
+
+}  // namespace dfield::runtime::screen
