@@ -34,10 +34,6 @@ struct Estimate {
     float seen = 0, open = 0;
     glm::vec3 radiance{0};
     float radiance_weight = 0;
-
-    glm::vec3 average_radiance() const {
-        return radiance_weight > 0 ? radiance / radiance_weight : glm::vec3(0);
-    }
 };
 
 struct EstimateJob {
@@ -46,9 +42,9 @@ struct EstimateJob {
     const SampleSets<DiskSample>* disk = nullptr;     // DISK's
     const SampleSets<PointSample>* points = nullptr;  // the others'
     bool indirect = false;
-    // Out, planes of frame->layout. indirect: three after each other.
+    // Out, planes of frame->layout.
     float* visibility = nullptr;
-    float* light = nullptr;
+    float* light = nullptr;  // indirect: four after each other, sums of radiance and of their weights
     float* slopes =
         nullptr;  // two: the tangent plane's depth from pixel to pixel along rows and columns. May be null
 };

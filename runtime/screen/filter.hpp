@@ -12,7 +12,7 @@ struct FilterJob {
     const Frame* frame = nullptr;
     std::int32_t side = 1;      // of the interleaved square
     float limit = 0;            // world units, of depth
-    std::int32_t channels = 1;  // 1: visibility, 4: indirect light too
+    std::int32_t channels = 1;  // 1: visibility, 5: indirect light too
     // Planes of frame->layout; those of light lie after each other, and so do the slopes.
     const float* visibility = nullptr;
     const float* light = nullptr;

@@ -14,7 +14,7 @@ void filter_reference(const FilterJob& job, std::int32_t row, std::int32_t first
         const auto channel = [&](std::int32_t i, std::ptrdiff_t where) {
             return i == 0 ? job.visibility[where] : job.light[(i - 1) * plane + where];
         };
-        std::array<float, 4> sum{};
+        std::array<float, 5> sum{};
         float total = 0;
         for (std::int32_t y = -reach; y <= reach && frame.depth[at] < kSky; ++y)
             for (std::int32_t x = -reach; x <= reach; ++x) {

@@ -1,5 +1,6 @@
 // The estimators of sections 3.2 and 4 as they stand, lengths in units of R.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "screen/estimate.hpp"
@@ -182,7 +183,7 @@ void estimate_reference(const EstimateJob& job, std::int32_t row) {
     for (std::int32_t column = 0; column < layout.width; ++column) {
         const std::ptrdiff_t at = layout.index(column, row);
         float visibility = 1;
-        glm::vec3 light(0);
+        std::array<float, 4> light{};
         glm::vec2 slopes(0);
         if (frame.depth[at] < kSky && frame.radius > 0) {
             const Shaded s = shaded_at(frame, column, row);
@@ -190,11 +191,12 @@ void estimate_reference(const EstimateJob& job, std::int32_t row) {
             if (!empty(s)) {
                 const Estimate sum = estimate(job, s);
                 visibility = visibility_of(*job.settings, s, sum);
-                light = sum.average_radiance() * std::max(0.0f, 1 - visibility);
+                light = {sum.radiance.x, sum.radiance.y, sum.radiance.z, sum.radiance_weight};
             }
         }
         job.visibility[at] = visibility;
-        for (int i = 0; job.indirect && i < 3; ++i) job.light[i * plane + at] = light[i];
+        for (std::size_t i = 0; job.indirect && i < 4; ++i)
+            job.light[static_cast<std::ptrdiff_t>(i) * plane + at] = light[i];
         for (int i = 0; job.slopes && i < 2; ++i) job.slopes[i * plane + at] = slopes[i];
     }
 }

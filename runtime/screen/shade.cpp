@@ -39,7 +39,7 @@ void write_pixel(const Frame& frame, const float ambient[3], const Outputs& outp
 void write_row(const FilterJob& job, bool filter, const float ambient[3], const Outputs& outputs,
                std::int32_t row) {
     const Layout& layout = job.frame->layout;
-    float filtered[4 * kFilterColumns];
+    float filtered[5 * kFilterColumns];
     for (std::int32_t first = 0; first < layout.width; first += kFilterColumns) {
         const std::int32_t count = std::min(kFilterColumns, layout.width - first);
         const std::ptrdiff_t from = layout.index(first, row);
@@ -48,9 +48,12 @@ void write_row(const FilterJob& job, bool filter, const float ambient[3], const 
         const float* const light = filter ? filtered + kFilterColumns : job.light + from;
         const std::size_t channel = filter ? kFilterColumns : layout.size();
         for (std::int32_t i = 0; i < count; ++i) {
-            const glm::vec3 value = job.channels == 4
-                                        ? glm::vec3(light[i], light[channel + i], light[2 * channel + i])
-                                        : glm::vec3(0);
+            glm::vec3 value(0);  // I = L~ (1 - O)
+            const float weight = job.channels > 1 ? light[3 * channel + static_cast<std::size_t>(i)] : 0;
+            if (weight > 0)
+                value = glm::vec3(light[i], light[channel + static_cast<std::size_t>(i)],
+                                  light[2 * channel + static_cast<std::size_t>(i)]) *
+                        (std::max(0.0f, 1 - visibility[i]) / weight);
             write_pixel(*job.frame, ambient, outputs, static_cast<std::size_t>(first + i),
                         static_cast<std::size_t>(row), visibility[i], value);
         }
@@ -88,7 +91,7 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     const bool filter = settings_.desc.filter && settings_.desc.interleave > 1;
     const bool indirect = buffers.radiance.data && (outputs.indirect || outputs.reflected);
     const std::size_t plane = Layout(buffers.width, buffers.height).size();
-    float* next = memory_of(plane * (2 + (indirect ? 3 : 0) + (filter ? 2 : 0)));
+    float* next = memory_of(plane * (2 + (indirect ? 4 : 0) + (filter ? 2 : 0)));
     const auto take = [&](std::size_t planes) { return std::exchange(next, next + planes * plane); };
     const Frame frame = decoded(buffers, take(1));
 
@@ -99,7 +102,7 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     job.points = &points_;
     job.indirect = indirect;
     job.visibility = take(1);
-    if (indirect) job.light = take(3);
+    if (indirect) job.light = take(4);
     if (filter) job.slopes = take(2);
     const auto rows = static_cast<std::size_t>(frame.layout.height);
     context()->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
@@ -111,7 +114,7 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     filtering.frame = &frame;
     filtering.side = static_cast<std::int32_t>(settings_.desc.interleave);
     filtering.limit = settings_.desc.filter_limit * settings_.desc.radius;
-    filtering.channels = indirect ? 4 : 1;
+    filtering.channels = indirect ? 5 : 1;
     filtering.visibility = job.visibility;
     filtering.light = job.light;
     filtering.slopes = job.slopes;
