@@ -2,6 +2,7 @@
 #include "screen/screen.hpp"
 
 #include "screen/checks.hpp"
+#include "screen/disk.hpp"
 #include "screen/filter.hpp"
 
 using namespace dfield::runtime;
@@ -91,8 +92,17 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     const bool filter = settings_.desc.filter && settings_.desc.interleave > 1;
     const bool indirect = buffers.radiance.data && (outputs.indirect || outputs.reflected);
     const std::size_t plane = Layout(buffers.width, buffers.height).size();
-    float* next = memory_of(plane * (2 + (indirect ? 4 : 0) + (filter ? 2 : 0)));
+    DiskFunction* const disk =
+        settings_.disk() && settings_.measure.kind == DFIELD_MEASURE_QUARTIC && settings_.desc.radius > 0
+            ? disk_function(context()->simd_targets)
+            : nullptr;
+    Lattice lattice(Layout(buffers.width, buffers.height), settings_.desc.interleave);
+    float* next = memory_of((disk ? lattice.size() * (indirect ? 10 : 4) : 0) +
+                            plane * (2 + (indirect ? 4 : 0) + (filter ? 2 : 0)));
     const auto take = [&](std::size_t planes) { return std::exchange(next, next + planes * plane); };
+    const auto take_lattice = [&](std::size_t planes) {
+        return std::exchange(next, next + planes * lattice.size());
+    };
     const Frame frame = decoded(buffers, take(1));
 
     EstimateJob job;
@@ -105,10 +115,28 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     if (indirect) job.light = take(4);
     if (filter) job.slopes = take(2);
     const auto rows = static_cast<std::size_t>(frame.layout.height);
-    context()->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row)
-            estimate_reference(job, static_cast<std::int32_t>(row));
-    });
+    const auto for_rows = [&](const auto& body) {
+        context()->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
+            body(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+        });
+    };
+    if (disk) {
+        lattice.depth = take_lattice(1);
+        lattice.normals = take_lattice(3);
+        if (indirect) {
+            lattice.surfaces = take_lattice(3);
+            lattice.radiance = take_lattice(3);
+        }
+        surround(frame, lattice);
+        for_rows([&](std::int32_t begin, std::int32_t end) {
+            for (std::int32_t row = begin; row < end; ++row) take_apart(frame, lattice, row);
+        });
+        for_rows([&](std::int32_t begin, std::int32_t end) { disk(job, lattice, begin, end); });
+    } else {
+        for_rows([&](std::int32_t begin, std::int32_t end) {
+            for (std::int32_t row = begin; row < end; ++row) estimate_reference(job, row);
+        });
+    }
 
     FilterJob filtering;
     filtering.frame = &frame;
@@ -118,8 +146,8 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     filtering.visibility = job.visibility;
     filtering.light = job.light;
     filtering.slopes = job.slopes;
-    context()->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row)
-            write_row(filtering, filter, settings_.desc.ambient, outputs, static_cast<std::int32_t>(row));
+    for_rows([&](std::int32_t begin, std::int32_t end) {
+        for (std::int32_t row = begin; row < end; ++row)
+            write_row(filtering, filter, settings_.desc.ambient, outputs, row);
     });
 }

@@ -1,0 +1,47 @@
+#include "screen/disk_patterns.hpp"
+
+namespace dfield::runtime::screen {
+
+void Offsets::make(const Lattice& lattice, const DiskSample* samples, std::uint32_t number,
+                   const Pattern& pattern, std::int32_t x, std::int32_t y) {
+    count = number;
+    left = right = up = down = 0;
+    const auto split = [&](std::int32_t at, std::int32_t& rest) {
+        const std::int32_t whole = at >= 0 ? at / lattice.side : -((lattice.side - 1 - at) / lattice.side);
+        rest = at - whole * lattice.side;
+        return whole;
+    };
+    const float aspect = pattern.radius_x / pattern.radius_y;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        Offset& o = offsets[i];
+        const float columns = pattern.columns(samples[i]), rows = pattern.rows(samples[i]);
+        std::int32_t to_x = 0, to_y = 0;
+        o.columns = split(x + static_cast<std::int32_t>(columns), to_x);
+        o.rows = split(y + static_cast<std::int32_t>(rows), to_y);
+        o.picture = lattice.index(to_x, to_y, 0, 0);
+        o.index = o.picture + o.rows * lattice.stride + o.columns;
+        o.x = columns;
+        o.y = -rows * aspect;
+        o.distance2 = o.x * o.x + o.y * o.y;
+        o.weight = samples[i].weight;
+        left = std::min(left, o.columns);
+        right = std::max(right, o.columns);
+        up = std::min(up, o.rows);
+        down = std::max(down, o.rows);
+    }
+}
+
+const Offsets& OffsetCache::get(float radius, std::int32_t x, std::int32_t y, std::uint32_t first) {
+    const std::uint64_t bits = std::bit_cast<std::uint32_t>(radius) >> Pattern::kDropped;
+    const std::uint64_t key = (bits << 32 | first) << 8 | static_cast<std::uint64_t>(y * lattice_.side + x);
+    Offsets& slot = slots_[(key ^ bits << 4 ^ first / Offsets::kMost) % kSlots];
+    if (slot.key == key) return slot;
+    slot.key = key;
+    const DiskSample* const samples =
+        sets_.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) + first;
+    slot.make(lattice_, samples, std::min(Offsets::kMost, sets_.count - first), Pattern(radius, aspect_), x,
+              y);
+    return slot;
+}
+
+}  // namespace dfield::runtime::screen
