@@ -154,7 +154,7 @@ void disk_block(const EstimateJob& job, const Lattice& lattice, OffsetCache& cac
     p.n_x = hn::LoadU(f, lattice.normals + at);
     p.n_y = hn::LoadU(f, lattice.normals + plane + at);
     p.n_z = hn::LoadU(f, lattice.normals + 2 * plane + at);
-    const V facing = hn::NegMulAdd(p.n_x, p.r_x, hn::NegMulAdd(p.n_y, p.r_y, p.n_z));
+    const V facing = hn::Sub(p.n_z, hn::Add(hn::Mul(p.n_x, p.r_x), hn::Mul(p.n_y, p.r_y)));
     p.slope = hn::Div(facing, p.sight_2);
     p.tangent = hn::Div(hn::Set(f, -1.0f), p.slope);
     p.per_depth = hn::Div(p.sight_2, hn::Set(f, frame.radius));

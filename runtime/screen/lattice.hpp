@@ -13,6 +13,7 @@ namespace dfield::runtime::screen {
 
 struct Lattice {
     static constexpr std::int32_t kBorder = 16;  // columns of sky on both sides: as many as the most lanes
+    static constexpr std::int32_t kMostSide = 8;
 
     Lattice() = default;
     Lattice(const Layout& layout, std::uint32_t side)
@@ -38,9 +39,12 @@ struct Lattice {
     float* radiance = nullptr;  // three, NaN and less than 0 are 0
 };
 
-// Writes a row of the frame to the lattice: depth, the rest of it where the pointers are not null.
-void take_apart(const Frame& frame, const Lattice& lattice, std::int32_t row);
-// Sky around the pictures, and where their last columns and rows have no pixels.
+// Writes the sky above and below the pictures.
 void surround(const Frame& frame, const Lattice& lattice);
+
+// Takes rows of the frame apart, the planes that are not null. Any threads.
+using TakeApartFunction = void(const Frame& frame, const Lattice& lattice, std::int32_t begin,
+                               std::int32_t end);
+TakeApartFunction* take_apart_function(std::int64_t targets);
 
 }  // namespace dfield::runtime::screen

@@ -23,43 +23,67 @@ struct Outputs {
     }
 };
 
-// L' = a (La O + I), and what else is wanted, of a pixel.
-void write_pixel(const Frame& frame, const float ambient[3], const Outputs& outputs, std::size_t column,
-                 std::size_t row, float visibility, const glm::vec3& light) {
-    if (outputs.visibility) *outputs.visibility.at(column, row) = visibility;
-    for (int i = 0; outputs.indirect && i < 3; ++i) outputs.indirect.at(column, row)[i] = light[i];
-    if (!outputs.reflected) return;
-    const bool sky = !(frame.depth[frame.layout.index(static_cast<std::ptrdiff_t>(column),
-                                                      static_cast<std::ptrdiff_t>(row))] < kSky);
-    for (int i = 0; i < 3; ++i) {
-        const float albedo = frame.albedo ? frame.albedo.at(column, row)[i] : 1;
-        outputs.reflected.at(column, row)[i] = sky ? 0 : albedo * (ambient[i] * visibility + light[i]);
-    }
-}
+// What is done with the rows that the estimators leave.
+struct Finish {
+    FilterJob job;
+    FilterFunction* filter;
+    ZipFunction* zip;
+    Outputs outputs;
+    const float* ambient;
 
-void write_row(const FilterJob& job, bool filter, const float ambient[3], const Outputs& outputs,
-               std::int32_t row) {
-    const Layout& layout = job.frame->layout;
-    float filtered[5 * kFilterColumns];
-    for (std::int32_t first = 0; first < layout.width; first += kFilterColumns) {
-        const std::int32_t count = std::min(kFilterColumns, layout.width - first);
-        const std::ptrdiff_t from = layout.index(first, row);
-        if (filter) filter_reference(job, row, first, filtered);
-        const float* const visibility = filter ? filtered : job.visibility + from;
-        const float* const light = filter ? filtered + kFilterColumns : job.light + from;
-        const std::size_t channel = filter ? kFilterColumns : layout.size();
-        for (std::int32_t i = 0; i < count; ++i) {
-            glm::vec3 value(0);  // I = L~ (1 - O)
-            const float weight = job.channels > 1 ? light[3 * channel + static_cast<std::size_t>(i)] : 0;
-            if (weight > 0)
-                value = glm::vec3(light[i], light[channel + static_cast<std::size_t>(i)],
-                                  light[2 * channel + static_cast<std::size_t>(i)]) *
-                        (std::max(0.0f, 1 - visibility[i]) / weight);
-            write_pixel(*job.frame, ambient, outputs, static_cast<std::size_t>(first + i),
-                        static_cast<std::size_t>(row), visibility[i], value);
+    void row(std::int32_t row) const {
+        const Layout& layout = job.frame->layout;
+        float values[4][kFilterColumns];  // O, I
+        for (std::int32_t first = 0; first < layout.width; first += kFilterColumns) {
+            const std::int32_t count = std::min(kFilterColumns, layout.width - first);
+            filter(job, row, first, values);
+            if (!job.indirect)
+                for (int i = 1; i < 4; ++i) std::fill_n(values[i], count, 0.0f);
+            write(outputs.visibility, row, first, count, values[0]);
+            write(outputs.indirect, row, first, count, values[1], values[2], values[3]);
+            if (!outputs.reflected) continue;
+            reflect(row, first, count, values);
+            write(outputs.reflected, row, first, count, values[1], values[2], values[3]);
         }
     }
-}
+
+  private:
+    // L' = a (La O + I) in the place of I; sky reflects nothing.
+    void reflect(std::int32_t row, std::int32_t first, std::int32_t count,
+                 float (*values)[kFilterColumns]) const {
+        const float* const depth = job.frame->depth + job.frame->layout.index(first, row);
+        const auto& albedo = job.frame->albedo;
+        for (std::int32_t i = 0; i < count; ++i) {
+            const float* const a =
+                albedo ? albedo.at(static_cast<std::size_t>(first + i), static_cast<std::size_t>(row))
+                       : nullptr;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const float incoming = ambient[k] * values[0][i] + values[1 + k][i];
+                values[1 + k][i] = depth[i] < kSky ? (a ? a[k] : 1) * incoming : 0;
+            }
+        }
+    }
+    template<class... Rows>
+    void write(const StridedPixels<float>& to, std::int32_t row, std::int32_t first, std::int32_t count,
+               const Rows*... rows) const {
+        if (!to) return;
+        constexpr auto kRows = static_cast<std::ptrdiff_t>(sizeof...(Rows));
+        const auto at = [&](std::int32_t i) {
+            return to.at(static_cast<std::size_t>(first + i), static_cast<std::size_t>(row));
+        };
+        if (to.packed(kRows)) {
+            if constexpr (kRows == 1)
+                std::copy_n(rows..., count, at(0));
+            else
+                zip(rows..., count, at(0));
+            return;
+        }
+        for (std::int32_t i = 0; i < count; ++i) {
+            float* value = at(i);
+            ((*value++ = rows[i]), ...);
+        }
+    }
+};
 
 }  // namespace
 
@@ -89,21 +113,29 @@ Frame dfield_screen::decoded(const dfield_screen_buffers& buffers, float* depth)
 void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_screen_outputs& given) {
     const Outputs outputs(given, buffers.width);
     if (!outputs.visibility && !outputs.indirect && !outputs.reflected) return;
-    const bool filter = settings_.desc.filter && settings_.desc.interleave > 1;
+    const dfield_screen_desc& desc = settings_.desc;
+    const std::int64_t targets = context()->simd_targets;
+    const bool filter = desc.filter != 0 && desc.interleave > 1;
     const bool indirect = buffers.radiance.data && (outputs.indirect || outputs.reflected);
-    const std::size_t plane = Layout(buffers.width, buffers.height).size();
-    DiskFunction* const disk =
-        settings_.disk() && settings_.measure.kind == DFIELD_MEASURE_QUARTIC && settings_.desc.radius > 0
-            ? disk_function(context()->simd_targets)
-            : nullptr;
-    Lattice lattice(Layout(buffers.width, buffers.height), settings_.desc.interleave);
-    float* next = memory_of((disk ? lattice.size() * (indirect ? 10 : 4) : 0) +
-                            plane * (2 + (indirect ? 4 : 0) + (filter ? 2 : 0)));
-    const auto take = [&](std::size_t planes) { return std::exchange(next, next + planes * plane); };
-    const auto take_lattice = [&](std::size_t planes) {
-        return std::exchange(next, next + planes * lattice.size());
+    const bool quartic_disk =
+        settings_.disk() && settings_.measure.kind == DFIELD_MEASURE_QUARTIC && desc.radius > 0;
+    DiskFunction* const disk = quartic_disk ? disk_function(targets) : nullptr;
+
+    const Layout layout(buffers.width, buffers.height);
+    Lattice lattice(layout, desc.interleave);
+    const std::size_t planes = 2 + (indirect ? 4 : 0) + (filter ? 2 : 0), parts = !disk      ? 0
+                                                                                  : indirect ? 10
+                                                                                             : 4;
+    float* next = memory_of(planes * layout.size() + parts * lattice.size());
+    const auto take = [&](std::size_t count, std::size_t size) {
+        return std::exchange(next, next + count * size);
     };
-    const Frame frame = decoded(buffers, take(1));
+    const Frame frame = decoded(buffers, take(1, layout.size()));
+    const auto for_rows = [&](const auto& body) {
+        context()->for_ranges(buffers.height, [&](std::size_t begin, std::size_t end) {
+            body(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+        });
+    };
 
     EstimateJob job;
     job.frame = &frame;
@@ -111,26 +143,19 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     job.disk = &disk_;
     job.points = &points_;
     job.indirect = indirect;
-    job.visibility = take(1);
-    if (indirect) job.light = take(4);
-    if (filter) job.slopes = take(2);
-    const auto rows = static_cast<std::size_t>(frame.layout.height);
-    const auto for_rows = [&](const auto& body) {
-        context()->for_ranges(rows, [&](std::size_t begin, std::size_t end) {
-            body(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
-        });
-    };
+    job.visibility = take(1, layout.size());
+    if (indirect) job.light = take(4, layout.size());
+    if (filter) job.slopes = take(2, layout.size());
     if (disk) {
-        lattice.depth = take_lattice(1);
-        lattice.normals = take_lattice(3);
+        lattice.depth = take(1, lattice.size());
+        lattice.normals = take(3, lattice.size());
         if (indirect) {
-            lattice.surfaces = take_lattice(3);
-            lattice.radiance = take_lattice(3);
+            lattice.surfaces = take(3, lattice.size());
+            lattice.radiance = take(3, lattice.size());
         }
         surround(frame, lattice);
-        for_rows([&](std::int32_t begin, std::int32_t end) {
-            for (std::int32_t row = begin; row < end; ++row) take_apart(frame, lattice, row);
-        });
+        TakeApartFunction* const take_apart = take_apart_function(targets);
+        for_rows([&](std::int32_t begin, std::int32_t end) { take_apart(frame, lattice, begin, end); });
         for_rows([&](std::int32_t begin, std::int32_t end) { disk(job, lattice, begin, end); });
     } else {
         for_rows([&](std::int32_t begin, std::int32_t end) {
@@ -140,14 +165,14 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
 
     FilterJob filtering;
     filtering.frame = &frame;
-    filtering.side = static_cast<std::int32_t>(settings_.desc.interleave);
-    filtering.limit = settings_.desc.filter_limit * settings_.desc.radius;
-    filtering.channels = indirect ? 5 : 1;
+    if (filter) filtering.side = static_cast<std::int32_t>(desc.interleave);
+    filtering.limit = desc.filter_limit * desc.radius;
+    filtering.indirect = indirect;
     filtering.visibility = job.visibility;
     filtering.light = job.light;
     filtering.slopes = job.slopes;
+    const Finish finish{filtering, filter_function(targets), zip_function(targets), outputs, desc.ambient};
     for_rows([&](std::int32_t begin, std::int32_t end) {
-        for (std::int32_t row = begin; row < end; ++row)
-            write_row(filtering, filter, settings_.desc.ambient, outputs, row);
+        for (std::int32_t row = begin; row < end; ++row) finish.row(row);
     });
 }
