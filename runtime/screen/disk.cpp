@@ -33,7 +33,7 @@ struct Lanes {
     V normal_x, normal_y;  // likewise
     V across2, around;     // |r|^2 (1 - distance^2 pixel^2) = around - distance2 across2
     V slope, tangent;      // b, -1 / b
-    V n_x, n_y, n_z, r_x, r_y, pixel, sight_2;
+    V n_x, n_y, n_z, r_x, r_y, pixel, sight_2, per_sight_2;
 };
 
 struct Sums {
@@ -45,14 +45,13 @@ HWY_INLINE void add_light(const Lattice& lattice, const Lanes& p, std::ptrdiff_t
                           V rise, Sums& sums) {
     const F f;
     const V one = hn::Set(f, 1.0f), fade = hn::Set(f, 16.0f), zero = hn::Zero(f);
-    const V inverse = hn::Div(one, p.sight_2);
-    const V z = hn::Mul(rise, inverse);
+    const V z = hn::Mul(rise, p.per_sight_2);
     const V r2 = hn::MulAdd(hn::MulAdd(hn::Set(f, -2.0f), g, rise), z, hn::MulAdd(x, x, hn::Mul(y, y)));
     const V ahead = hn::Mul(fade, hn::MulAdd(rise, p.slope, e));
     const M counts = hn::And(hn::Lt(r2, one), hn::Gt(ahead, zero));
     if (hn::AllFalse(f, counts)) return;
     const auto plane = static_cast<std::ptrdiff_t>(lattice.size());
-    const float* HWY_RESTRICT normal = lattice.surfaces + there;
+    const float* HWY_RESTRICT normal = lattice.normals + there;
     const float* HWY_RESTRICT radiance = lattice.radiance + there;
     const V px = hn::NegMulAdd(z, p.r_x, x), py = hn::NegMulAdd(z, p.r_y, y);
     const V towards = hn::MulAdd(
@@ -92,14 +91,12 @@ HWY_INLINE void add_sample(const Lattice& lattice, const Lanes& p, const Offsets
 
 // The pixels from (column, row) on of picture (x, y) of the lattice.
 template<bool kLight>
-HWY_INLINE void add_pattern(const Lattice& lattice, const Lanes& p, const Offsets& offsets, std::int32_t x,
-                            std::int32_t y, std::int32_t column, std::int32_t row, Sums& sums) {
+HWY_INLINE void add_pattern(const Lattice& lattice, const Lanes& p, const Offsets& offsets,
+                            std::int32_t column, std::int32_t row, Sums& sums) {
     const auto lanes = static_cast<std::int32_t>(hn::Lanes(F()));
     const bool inside = column + offsets.left >= -Lattice::kBorder &&
                         column + offsets.right + lanes <= lattice.width + Lattice::kBorder &&
                         row + offsets.up >= -1 && row + offsets.down <= lattice.height;
-    (void)x;
-    (void)y;
     if (inside) {
         const std::ptrdiff_t at = row * lattice.stride + column;
         for (std::uint32_t i = 0; i < offsets.count; ++i)
@@ -110,7 +107,8 @@ HWY_INLINE void add_pattern(const Lattice& lattice, const Lanes& p, const Offset
         const Offsets::Offset& o = offsets.offsets[i];
         const std::int32_t to = std::clamp(column + o.columns, -Lattice::kBorder, lattice.width);
         const std::int32_t to_row = std::clamp(row + o.rows, -1, lattice.height);
-        add_sample<kLight>(lattice, p, o, o.picture + to_row * lattice.stride + to, sums);
+        const std::ptrdiff_t moved = (to_row - o.rows) * lattice.stride + to - o.columns;
+        add_sample<kLight>(lattice, p, o, o.index + moved, sums);
     }
 }
 
@@ -155,9 +153,10 @@ void disk_block(const EstimateJob& job, const Lattice& lattice, OffsetCache& cac
     p.n_y = hn::LoadU(f, lattice.normals + plane + at);
     p.n_z = hn::LoadU(f, lattice.normals + 2 * plane + at);
     const V facing = hn::Sub(p.n_z, hn::Add(hn::Mul(p.n_x, p.r_x), hn::Mul(p.n_y, p.r_y)));
-    p.slope = hn::Div(facing, p.sight_2);
+    p.per_sight_2 = hn::Div(one, p.sight_2);
+    p.slope = hn::Mul(facing, p.per_sight_2);
     p.tangent = hn::Div(hn::Set(f, -1.0f), p.slope);
-    p.per_depth = hn::Div(p.sight_2, hn::Set(f, frame.radius));
+    p.per_depth = hn::Mul(p.sight_2, hn::Set(f, 1 / frame.radius));
     p.sight_x = hn::Mul(p.pixel, p.r_x);
     p.sight_y = hn::Mul(p.pixel, p.r_y);
     p.normal_x = hn::Mul(p.pixel, p.n_x);
@@ -172,7 +171,7 @@ void disk_block(const EstimateJob& job, const Lattice& lattice, OffsetCache& cac
         const M turn = hn::And(left, hn::Eq(patterns, hn::Set(f, radius)));
         Sums sums{zero, zero, zero, zero, zero, zero};
         for (std::uint32_t first = 0; first < job.disk->count; first += Offsets::kMost)
-            add_pattern<kLight>(lattice, p, cache.get(radius, x, y, first), x, y, column, row, sums);
+            add_pattern<kLight>(lattice, p, cache.get(radius, x, y, first), column, row, sums);
         const auto merge = [&](V& to, V from) HWY_ATTR { to = hn::IfThenElse(turn, from, to); };
         merge(all.seen, sums.seen);
         merge(all.open, sums.open);
@@ -235,6 +234,13 @@ void disk(const EstimateJob& job, const Lattice& lattice, std::int32_t begin, st
             for (std::int32_t channel = 0; channel < Results::kChannels; ++channel) {
                 if (!out[channel]) continue;
                 float* const to = out[channel] + layout.index(first, row);
+                if (lattice.side == 4 && count == 4 * lanes) {
+                    const F f;
+                    const auto& from = results.values[channel];
+                    hn::StoreInterleaved4(hn::Load(f, from[0]), hn::Load(f, from[1]), hn::Load(f, from[2]),
+                                          hn::Load(f, from[3]), f, to);
+                    continue;
+                }
                 for (std::int32_t i = 0; i < count; ++i)
                     to[i] = results.values[channel][i % lattice.side][i / lattice.side];
             }

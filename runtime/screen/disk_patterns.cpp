@@ -18,8 +18,7 @@ void Offsets::make(const Lattice& lattice, const DiskSample* samples, std::uint3
         std::int32_t to_x = 0, to_y = 0;
         o.columns = split(x + static_cast<std::int32_t>(columns), to_x);
         o.rows = split(y + static_cast<std::int32_t>(rows), to_y);
-        o.picture = lattice.index(to_x, to_y, 0, 0);
-        o.index = o.picture + o.rows * lattice.stride + o.columns;
+        o.index = static_cast<std::int32_t>(lattice.index(to_x, to_y, o.columns, o.rows));
         o.x = columns;
         o.y = -rows * aspect;
         o.distance2 = o.x * o.x + o.y * o.y;
@@ -31,17 +30,13 @@ void Offsets::make(const Lattice& lattice, const DiskSample* samples, std::uint3
     }
 }
 
-const Offsets& OffsetCache::get(float radius, std::int32_t x, std::int32_t y, std::uint32_t first) {
-    const std::uint64_t bits = std::bit_cast<std::uint32_t>(radius) >> Pattern::kDropped;
-    const std::uint64_t key = (bits << 32 | first) << 8 | static_cast<std::uint64_t>(y * lattice_.side + x);
-    Offsets& slot = slots_[(key ^ bits << 4 ^ first / Offsets::kMost) % kSlots];
-    if (slot.key == key) return slot;
+void OffsetCache::make(Offsets& slot, std::uint64_t key, float radius, std::int32_t x, std::int32_t y,
+                       std::uint32_t first) {
     slot.key = key;
     const DiskSample* const samples =
         sets_.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) + first;
     slot.make(lattice_, samples, std::min(Offsets::kMost, sets_.count - first), Pattern(radius, aspect_), x,
               y);
-    return slot;
 }
 
 }  // namespace dfield::runtime::screen

@@ -50,11 +50,11 @@ struct EstimateJob {
 };
 
 // The pattern that a disk's samples are spread over: a circle around s, in pixels. Its radius is that of the
-// sphere across the ray of sight, rounded up to one of eight sizes an octave, so that pixels side by side
+// sphere across the ray of sight, rounded up to one of four sizes an octave, so that pixels side by side
 // share it: what lies outside the sphere has no volume. Samples are moved to pixels' centres.
 struct Pattern {
     static constexpr float kMost = 0x1p20f;
-    static constexpr unsigned kDropped = 20;  // of a float's 23 bits
+    static constexpr unsigned kDropped = 21;  // of a float's 23 bits
 
     explicit Pattern(const Shaded& s) : Pattern(reach_of(s), s.pixel_x / s.pixel_y) {}
     Pattern(float reach, float aspect) {

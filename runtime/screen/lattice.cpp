@@ -23,7 +23,7 @@ struct V3 {
 // Pixels side by side, as many as one vector of every picture has.
 struct Piece {
     static constexpr std::int32_t kMost = Lattice::kMostSide * Lattice::kBorder;
-    static constexpr std::int32_t kPlanes = 9;  // normals, surfaces, radiance
+    static constexpr std::int32_t kPlanes = 6;  // normals, radiance
     HWY_ALIGN float values[kPlanes][kMost];
     HWY_ALIGN float loaded[3 * kMost];
 };
@@ -169,23 +169,20 @@ void take_apart_row(const Frame& frame, const Lattice& lattice, std::int32_t row
             const V3 n = normals ? given_normals(frame, normals + 3 * at, first + at, row)
                                  : derived_normals(frame, first + at, row);
             put(0, at, turned(frame, n, first + at, row));
-            if (lattice.surfaces) put(3, at, n);
         }
         for (std::int32_t i = 0; i < 3; ++i)
             deal(lattice, piece.values[i], lattice.normals + i * plane, column, row);
-        if (!lattice.surfaces) continue;
+        if (!lattice.radiance) continue;
         const float* const radiance = source(frame.radiance);
         const V zero = hn::Zero(f);
         for (std::int32_t at = 0; at < wanted; at += lanes) {
             V3 light;
             hn::LoadInterleaved3(f, radiance + 3 * at, light.x, light.y, light.z);
             const auto some = [&](V v) HWY_ATTR { return hn::IfThenElseZero(hn::Gt(v, zero), v); };
-            put(6, at, {some(light.x), some(light.y), some(light.z)});
+            put(3, at, {some(light.x), some(light.y), some(light.z)});
         }
-        for (std::int32_t i = 0; i < 3; ++i) {
-            deal(lattice, piece.values[3 + i], lattice.surfaces + i * plane, column, row);
-            deal(lattice, piece.values[6 + i], lattice.radiance + i * plane, column, row);
-        }
+        for (std::int32_t i = 0; i < 3; ++i)
+            deal(lattice, piece.values[3 + i], lattice.radiance + i * plane, column, row);
     }
     const std::int32_t y = row % lattice.side, row_there = row / lattice.side;
     for (std::int32_t x = 0; x < lattice.side; ++x) {

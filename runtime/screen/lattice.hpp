@@ -35,8 +35,7 @@ struct Lattice {
 
     float* depth = nullptr;     // a plane
     float* normals = nullptr;   // three, unit length and towards the viewer
-    float* surfaces = nullptr;  // three, as they are: only for indirect light
-    float* radiance = nullptr;  // three, NaN and less than 0 are 0
+    float* radiance = nullptr;  // three, NaN and less than 0 are 0; only for indirect light
 };
 
 // Writes the sky above and below the pictures.

@@ -141,7 +141,7 @@ void add_radiance(const EstimateJob& job, const Shaded& s, const Seen& seen, Est
     const float r2 = dot(point, point);
     const float ahead = kFade * dot(s.normal, point);
     if (!(r2 < 1 && ahead > 0)) return;
-    const float turned = -kFade * dot(normal_at(frame, seen.column, seen.row), point);
+    const float turned = -kFade * dot(shaded_at(frame, seen.column, seen.row).normal, point);
     if (!(turned > 0)) return;
     const float weight = (1 - r2 * r2) * std::min(ahead, 1.0f) * std::min(turned, 1.0f);
     const float* const radiance =

@@ -149,10 +149,7 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     if (disk) {
         lattice.depth = take(1, lattice.size());
         lattice.normals = take(3, lattice.size());
-        if (indirect) {
-            lattice.surfaces = take(3, lattice.size());
-            lattice.radiance = take(3, lattice.size());
-        }
+        if (indirect) lattice.radiance = take(3, lattice.size());
         surround(frame, lattice);
         TakeApartFunction* const take_apart = take_apart_function(targets);
         for_rows([&](std::int32_t begin, std::int32_t end) { take_apart(frame, lattice, begin, end); });
