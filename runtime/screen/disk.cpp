@@ -60,10 +60,12 @@ HWY_INLINE void add_light(const Lattice& lattice, const Lanes& p, std::ptrdiff_t
     const V turned = hn::Mul(hn::Neg(fade), towards);
     const V near = hn::NegMulAdd(r2, r2, one);
     V weight = hn::Mul(near, hn::Mul(hn::Min(ahead, one), hn::Min(turned, one)));
-    weight = hn::IfThenElseZero(hn::And(counts, hn::Gt(turned, zero)), weight);
-    sums.red = hn::MulAdd(weight, hn::LoadU(f, radiance), sums.red);
-    sums.green = hn::MulAdd(weight, hn::LoadU(f, radiance + plane), sums.green);
-    sums.blue = hn::MulAdd(weight, hn::LoadU(f, radiance + 2 * plane), sums.blue);
+    // Beyond a picture's end radiance is whatever memory holds.
+    const M lights = hn::And(counts, hn::Gt(turned, zero));
+    weight = hn::IfThenElseZero(lights, weight);
+    sums.red = hn::MulAdd(weight, hn::IfThenElseZero(lights, hn::LoadU(f, radiance)), sums.red);
+    sums.green = hn::MulAdd(weight, hn::IfThenElseZero(lights, hn::LoadU(f, radiance + plane)), sums.green);
+    sums.blue = hn::MulAdd(weight, hn::IfThenElseZero(lights, hn::LoadU(f, radiance + 2 * plane)), sums.blue);
     sums.weight = hn::Add(sums.weight, weight);
 }
 
@@ -200,7 +202,8 @@ void disk_block(const EstimateJob& job, const Lattice& lattice, OffsetCache& cac
         put(1, all.red);
         put(2, all.green);
         put(3, all.blue);
-        put(4, all.weight);
+        const V darkness = hn::Set(f, kDarkness * static_cast<float>(job.disk->count));
+        put(4, hn::IfThenElseZero(hn::Not(nothing), hn::Add(all.weight, darkness)));
     }
     if (job.slopes) {
         const V steep = hn::Div(hn::Set(f, frame.radius), facing);

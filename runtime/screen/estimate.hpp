@@ -68,6 +68,10 @@ struct Pattern {
     float radius_x, radius_y;
 };
 
+// The weight of darkness in a sample's average radiance: nothing else would be stable where all that is seen
+// lies in the tangent plane, give or take a bit.
+constexpr float kDarkness = 1e-4f;
+
 // Adds the radiance of a pixel that was looked up.
 void add_radiance(const EstimateJob& job, const Shaded& s, const Seen& seen, Estimate& sum);
 

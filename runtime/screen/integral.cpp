@@ -41,7 +41,7 @@ struct Sum {
     void add_light(const Estimate& light, double density) {
         for (int i = 0; i < 3; ++i)
             radiance[static_cast<std::size_t>(i)] += density * static_cast<double>(light.radiance[i]);
-        weight += density * static_cast<double>(light.radiance_weight);
+        weight += density * static_cast<double>(light.radiance_weight + kDarkness);
     }
     Answer answer(double visibility) const {
         Answer result{static_cast<float>(visibility), {}};
@@ -134,9 +134,12 @@ Answer volume_integral(const EstimateJob& job, const Shaded& s) {
                 sum.add_light(light, static_cast<double>(c * c * c));
             } else {
                 add_radiance(job, s, look_up(*job.frame, s, uniform * direction), light);
-                if (estimator == DFIELD_ESTIMATOR_SPHERE)
-                    add_radiance(job, s, look_up(*job.frame, s, -uniform * direction), light);
                 sum.add_light(light, 1);
+                if (estimator == DFIELD_ESTIMATOR_SPHERE) {
+                    Estimate behind;
+                    add_radiance(job, s, look_up(*job.frame, s, -uniform * direction), behind);
+                    sum.add_light(behind, 1);
+                }
             }
         }
     });
@@ -151,18 +154,16 @@ Answer march_integral(const EstimateJob& job, const Shaded& s) {
     Sum sum;
     for_directions(s, kHeights, kAngles, [&](float c, const glm::vec3& direction) {
         float value = 1;
+        Estimate light;
         for (float m = 1; m <= steps; ++m) {
             const glm::vec3 point = m / steps * direction;
             const Seen seen = look_up(*job.frame, s, point);
             if (point.z > seen.rise) continue;
             value = job.settings->measure.value((m - 0.5f) / steps);
-            if (job.indirect) {
-                Estimate light;
-                add_radiance(job, s, seen, light);
-                sum.add_light(light, static_cast<double>(c));
-            }
+            if (job.indirect) add_radiance(job, s, seen, light);
             break;
         }
+        sum.add_light(light, static_cast<double>(c));
         sum.open += static_cast<double>(c);
         sum.seen += static_cast<double>(c * value);
     });

@@ -191,7 +191,8 @@ void estimate_reference(const EstimateJob& job, std::int32_t row) {
             if (!empty(s)) {
                 const Estimate sum = estimate(job, s);
                 visibility = visibility_of(*job.settings, s, sum);
-                light = {sum.radiance.x, sum.radiance.y, sum.radiance.z, sum.radiance_weight};
+                light = {sum.radiance.x, sum.radiance.y, sum.radiance.z,
+                         sum.radiance_weight + kDarkness * static_cast<float>(job.settings->desc.samples)};
             }
         }
         job.visibility[at] = visibility;

@@ -32,7 +32,8 @@ struct Picture {
     }
 };
 
-// What a ray from `origin` meets: its parameter, INFINITY for nothing, and the unit normal and radiance there.
+// What a ray from `origin` meets: its parameter, INFINITY for nothing, and the unit normal and radiance
+// there.
 struct Met {
     double t = std::numeric_limits<double>::infinity();
     glm::dvec3 normal{0, 0, 1}, radiance{0};
@@ -83,12 +84,15 @@ inline Picture take(const World& world, std::uint32_t width, std::uint32_t heigh
     for (std::uint32_t row = 0; row < height; ++row)
         for (std::uint32_t column = 0; column < width; ++column) {
             const double u = 2 * (column + 0.5) / width - 1, v = 1 - 2 * (row + 0.5) / height;
-            const double x = static_cast<double>(camera.offset_x) + u * static_cast<double>(camera.half_width),
-                         y = static_cast<double>(camera.offset_y) + v * static_cast<double>(camera.half_height);
+            const double x = static_cast<double>(camera.offset_x) +
+                             u * static_cast<double>(camera.half_width),
+                         y = static_cast<double>(camera.offset_y) +
+                             v * static_cast<double>(camera.half_height);
             const bool orthographic = camera.projection == DFIELD_PROJECTION_ORTHOGRAPHIC;
             const Met met = orthographic ? world({x, y, 0}, {0, 0, -1}) : world({0, 0, 0}, {x, y, -1});
             picture.depth.push_back(static_cast<float>(met.t));
-            const bool away = glm::dot(met.normal, glm::dvec3(orthographic ? 0 : x, orthographic ? 0 : y, -1)) > 0;
+            const bool away =
+                glm::dot(met.normal, glm::dvec3(orthographic ? 0 : x, orthographic ? 0 : y, -1)) > 0;
             for (int i = 0; i < 3; ++i) {
                 picture.normals.push_back(static_cast<float>(away ? -met.normal[i] : met.normal[i]));
                 picture.radiance.push_back(static_cast<float>(met.radiance[i]));
@@ -120,8 +124,8 @@ inline Context context_of(dfield_simd simd) {
 }
 
 // The limit of what a desc's estimator computes, at some pixels.
-inline Shot integral(const Picture& picture, const dfield_screen_desc& desc, const std::vector<std::uint32_t>& pixels,
-                     bool indirect = false) {
+inline Shot integral(const Picture& picture, const dfield_screen_desc& desc,
+                     const std::vector<std::uint32_t>& pixels, bool indirect = false) {
     Shot shot;
     shot.visibility.resize(pixels.size());
     if (indirect) shot.indirect.resize(3 * pixels.size());

@@ -175,8 +175,9 @@ typedef struct dfield_screen_outputs {
     /* I, 3 floats; sky: 0. L~ is the mean over the samples, each with the radiance of the pixel it is looked
        up in and the weight 1 - (r/R)^4, r the distance of that pixel's surface from s: none from R on.
        Surfaces that are turned away from s (the test of section 3.1) or behind its tangent plane have none
-       either; the two tests fade in over R/16, since nothing else would be stable on a plane. Needs radiance.
-     */
+       either. The two tests fade in over R/16, and every sample has 1e-4 of darkness: nothing else would be
+       stable on a plane. The filter averages the sums of radiance and of weights, and O, before I is made of
+       them. Needs radiance. */
     dfield_screen_target indirect;
     dfield_screen_target reflected; /* a (La O + I), 3 floats; I = 0 without radiance; sky: 0 */
 } dfield_screen_outputs;
