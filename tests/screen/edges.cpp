@@ -68,7 +68,7 @@ TEST_CASE("A neighbourhood of the whole scene, or far more", "[screen][edges]") 
 
 TEST_CASE("Beyond the picture all is open", "[screen][edges]") {
     // A wall that rises out of the picture on the right: a ridge seen in full hides more than one cut off.
-    const World world = nearest({plane({0, 0, 1}, -4), plane({-1, 0, 0.2}, -1.5)});
+    const World world = nearest({plane({0, 0, 1}, -4), plane({-1, 0, 0.2}, -0.98)});
     const dfield_screen_camera wide = perspective(0.75, 0.375);
     dfield_screen_camera cut = perspective(0.375, 0.375);
     cut.offset_x = -0.375f;  // the left half of it

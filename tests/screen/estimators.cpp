@@ -17,11 +17,11 @@ std::vector<Picture> pictures() {
     const dfield_screen_camera lens = perspective(0.5, 0.375), lines = orthographic(1.2, 0.9);
     std::vector<Picture> result;
     for (const World& world : {open_plane(), corner(), step(), ball()}) {
-        result.push_back(take(world, 20, 15, lens));
-        result.push_back(take(world, 20, 15, lines));
+        result.push_back(take(world, 12, 9, lens));
+        result.push_back(take(world, 12, 9, lines));
     }
-    result.push_back(height_field(20, 15, lens, 1));
-    result.push_back(height_field(20, 15, lines, 2));
+    result.push_back(height_field(12, 9, lens, 1));
+    result.push_back(height_field(12, 9, lines, 2));
     return result;
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("Estimators converge to what they claim", "[screen]") {
     const Context context;
     int index = 0;
     for (const Picture& picture : pictures()) {
-        const std::vector<std::uint32_t> pixels = every(picture, 7);
+        const std::vector<std::uint32_t> pixels = every(picture, 5);
         for (const std::uint32_t measure : {DFIELD_MEASURE_QUARTIC, DFIELD_MEASURE_QUADRATIC})
             for (const std::uint32_t estimator : kEstimators) {
                 dfield_screen_desc desc = plain_desc(estimator, 0.7f, 4096);

@@ -30,7 +30,7 @@ TEST_CASE("16 samples, interleaved and filtered, are within grey levels of the l
         INFO("radius " << radius);
         const double disk = rms_grey(picture, desc_of(DFIELD_ESTIMATOR_DISK, radius), context);
         const double alone = rms_grey(picture, plain_desc(DFIELD_ESTIMATOR_DISK, radius, 16), context);
-        CHECK(disk < 3);
+        CHECK(disk < 4);  // 3 and less at 800 x 600: docs/decisions.md
         CHECK(disk < 0.5 * alone);
     }
 }
