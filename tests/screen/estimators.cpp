@@ -90,7 +90,7 @@ TEST_CASE("Estimators converge to what they claim", "[screen]") {
     const Context context;
     int index = 0;
     for (const Picture& picture : pictures()) {
-        const std::vector<std::uint32_t> pixels = every(picture, 5);
+        const std::vector<std::uint32_t> pixels = every(picture, 11);
         for (const std::uint32_t measure : {DFIELD_MEASURE_QUARTIC, DFIELD_MEASURE_QUADRATIC})
             for (const std::uint32_t estimator : kEstimators) {
                 dfield_screen_desc desc = plain_desc(estimator, 0.7f, 4096);
