@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct PrimitiveRange {
 struct SceneMesh {
     std::string name;
     TriangleMesh mesh;  // object space; normals always present and unit after import_scene
+    std::vector<glm::vec3>
+        albedo;  // ImportOptions::looks, glTF only: linear, one a position; otherwise empty
     std::vector<PrimitiveRange> primitives;  // glTF only
     std::int32_t source_mesh = -1;           // glTF mesh index
 };
@@ -55,16 +58,31 @@ struct SceneNode {
     std::int32_t parent = -1;  // index into ImportedScene::nodes, -1 = root
 };
 
+// A camera of a glTF file where the scene places it: it looks along its -z, y is up, x right.
+struct SceneCamera {
+    std::string name;
+    glm::mat4 to_world{1};  // a rotation and a translation; scales of nodes do not count
+    bool orthographic = false;
+    // Perspective: the tangent of half the vertical field of view; orthographic: half the height, world
+    // units.
+    float half_height = 1;
+    float near = 0, far = std::numeric_limits<float>::infinity();
+};
+
 struct ImportedScene {
     std::vector<SceneMesh> meshes;  // glTF: all of the file, in its order (index = source_mesh)
     std::vector<SceneInstance> instances;
     std::vector<SceneNode> nodes;  // glTF only: index = source_node
+    std::vector<SceneCamera>
+        cameras;  // ImportOptions::looks, glTF only: those that the scene places, in its order
     ImportReport report;
 };
 
 struct ImportOptions {
     float crease_degrees =
         180.0f;  // for normals where the file has none; must not split vertices of glTF primitives
+    // Read albedos and cameras too. Off, they are not looked at, and what is wrong with them is no error.
+    bool looks = false;
 };
 
 // OBJ, PLY, OFF, STL (OpenMesh) and glTF 2.0 / GLB (tinygltf), by extension, case-insensitive.

@@ -181,6 +181,10 @@ std::vector<std::uint32_t> read_index_accessor(const GltfDocument& document, int
     return indices;
 }
 
+int accessor_components(const GltfDocument& document, int accessor, const std::string& what) {
+    return Reader(document, accessor, what).components();
+}
+
 std::size_t accessor_count(const GltfDocument& document, int accessor, const std::string& what) {
     return Reader(document, accessor, what).accessor().count;
 }

@@ -20,6 +20,9 @@ std::vector<float> read_accessor(const GltfDocument& document, int accessor, int
 std::vector<std::uint32_t> read_index_accessor(const GltfDocument& document, int accessor,
                                                const std::string& what);
 
+// Numbers an element has, for an accessor that exists (InputError otherwise).
+int accessor_components(const GltfDocument& document, int accessor, const std::string& what);
+
 // Its element count, for an accessor that exists (InputError otherwise).
 std::size_t accessor_count(const GltfDocument& document, int accessor, const std::string& what);
 

@@ -197,7 +197,7 @@ std::string make_glb(std::string text, std::string_view chunk) {
 
 }  // namespace
 
-GltfDocument load_gltf_document(const fs::path& path) {
+GltfDocument load_gltf_document(const fs::path& path, bool looks) {
     GltfDocument result;
     result.file = path.string();
     const std::vector<std::byte> bytes = read_file(path);
@@ -209,6 +209,7 @@ GltfDocument load_gltf_document(const fs::path& path) {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     const bool has_chunk = container.chunk && !container.chunk->empty();
     prepare_buffers(result.file, folder, document, has_chunk);
+    if (looks) result.looks = read_gltf_looks(result.file, document);
     std::vector<std::size_t> primitive_counts;
     if (document.contains("meshes") && document["meshes"].is_array())
         for (const json& mesh : document["meshes"])

@@ -117,6 +117,26 @@ std::vector<std::size_t> roots_to_draw(const GltfDocument& document, const std::
     return roots;
 }
 
+SceneCamera placed_camera(const GltfDocument& document, const std::string& where, int index,
+                          const glm::dmat4& world) {
+    const std::vector<SceneCamera>& known = document.looks.cameras;
+    if (static_cast<std::size_t>(index) >= known.size())
+        throw InputError(document.file + ": " + where + " has camera " + std::to_string(index) +
+                         ", which does not exist");
+    SceneCamera camera = known[static_cast<std::size_t>(index)];
+    const glm::dvec3 back = glm::normalize(glm::dvec3(world[2]));
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(world[1]), back));
+    const glm::dmat4 pose(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0),
+                          glm::dvec4(glm::dvec3(world[3]), 1));
+    camera.to_world = glm::mat4(pose);
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(camera.to_world[column][row]))
+                throw InputError(document.file + ": " + where +
+                                 " has a camera and a transform that is flat or not finite");
+    return camera;
+}
+
 }  // namespace
 
 std::vector<SceneNode> gltf_nodes(const GltfDocument& document) {
@@ -153,7 +173,8 @@ std::vector<SceneNode> gltf_nodes(const GltfDocument& document) {
     return nodes;
 }
 
-std::vector<SceneInstance> gltf_instances(const GltfDocument& document, const std::vector<SceneNode>& nodes) {
+std::vector<SceneInstance> gltf_instances(const GltfDocument& document, const std::vector<SceneNode>& nodes,
+                                          std::vector<SceneCamera>* cameras) {
     struct Visit {
         std::size_t node;
         glm::dmat4 parent;
@@ -174,6 +195,8 @@ std::vector<SceneInstance> gltf_instances(const GltfDocument& document, const st
         const glm::dmat4 world = visit.parent * local_transform(document, nodes, visit.node);
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
             stack.push_back({static_cast<std::size_t>(*child), world});
+        if (cameras && node.camera >= 0)
+            cameras->push_back(placed_camera(document, node_words(nodes, visit.node), node.camera, world));
         if (node.mesh < 0) continue;
         if (static_cast<std::size_t>(node.mesh) >= document.model.meshes.size())
             throw InputError(document.file + ": " + node_words(nodes, visit.node) + " has mesh " +

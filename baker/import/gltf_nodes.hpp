@@ -18,6 +18,9 @@ std::vector<SceneNode> gltf_nodes(const GltfDocument& document);
 // Instance i draws meshes[node.mesh]: SceneInstance::mesh is the glTF mesh index. Throws InputError:
 // references to what does not exist, transforms that are not finite, instancing attributes of different
 // lengths.
-std::vector<SceneInstance> gltf_instances(const GltfDocument& document, const std::vector<SceneNode>& nodes);
+//
+// `cameras`: where not null, the nodes' cameras are appended in the same order.
+std::vector<SceneInstance> gltf_instances(const GltfDocument& document, const std::vector<SceneNode>& nodes,
+                                          std::vector<SceneCamera>* cameras = nullptr);
 
 }  // namespace dfield

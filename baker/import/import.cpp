@@ -25,7 +25,7 @@ ImportedScene import_scene(const std::filesystem::path& path, const ImportOption
     const auto is = [&](std::string_view name) { return equal_ignoring_case(extension, name); };
     ImportedScene scene;
     if (is(".gltf") || is(".glb"))
-        scene = import_gltf(path);
+        scene = import_gltf(path, options);
     else if (is(".obj") || is(".ply") || is(".off") || is(".stl"))
         scene = import_openmesh(path, options);
     else

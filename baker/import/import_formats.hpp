@@ -7,7 +7,7 @@
 namespace dfield {
 
 ImportedScene import_openmesh(const std::filesystem::path& path,
-                              const ImportOptions& options);   // OBJ, PLY, OFF, STL
-ImportedScene import_gltf(const std::filesystem::path& path);  // glTF 2.0, GLB
+                              const ImportOptions& options);  // OBJ, PLY, OFF, STL
+ImportedScene import_gltf(const std::filesystem::path& path, const ImportOptions& options);  // glTF 2.0, GLB
 
 }  // namespace dfield

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "baker/error.hpp"
@@ -13,7 +15,8 @@ namespace {
 // A primitive's vertices end up behind those of the primitives before it.
 class MeshImporter {
   public:
-    MeshImporter(const GltfDocument& document, ImportReport& report) : document_(document), report_(report) {}
+    MeshImporter(const GltfDocument& document, ImportReport& report, bool looks)
+        : document_(document), report_(report), looks_(looks) {}
 
     SceneMesh import(std::size_t index) {
         const tinygltf::Mesh& source = document_.model.meshes[index];
@@ -57,6 +60,7 @@ class MeshImporter {
         for (std::size_t i = 0; i < count; ++i)
             mesh.mesh.positions.emplace_back(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
         normals(mesh.mesh, source, range);
+        if (looks_) albedo(mesh.albedo, source, count);
 
         std::vector<std::uint32_t> indices;
         if (source.indices >= 0) {
@@ -84,6 +88,38 @@ class MeshImporter {
             mesh.normals[range.first_vertex + i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
     }
 
+    // The material's base colour times the vertices' own.
+    void albedo(std::vector<glm::vec3>& albedo, const tinygltf::Primitive& source, std::size_t count) {
+        const std::vector<GltfMaterial>& materials = document_.looks.materials;
+        glm::vec3 base(1);  // glTF's default material
+        if (source.material >= 0) {
+            if (static_cast<std::size_t>(source.material) >= materials.size())
+                throw InputError(document_.file + ": " + where_ + " has material " +
+                                 std::to_string(source.material) + ", which does not exist");
+            const GltfMaterial& material = materials[static_cast<std::size_t>(source.material)];
+            base = material.base_colour;
+            if (material.textured) warn("has a base colour texture, which is not read");
+        }
+        albedo.resize(albedo.size() + count, base);
+        const auto colour = source.attributes.find("COLOR_0");
+        if (colour == source.attributes.end()) return;
+        const std::string what = "COLOR_0 of " + where_;
+        const int components = accessor_components(document_, colour->second, what);
+        if (components != 3 && components != 4)
+            throw InputError(document_.file + ": " + what + " should have 3 or 4 components");
+        const std::vector<float> numbers = read_accessor(document_, colour->second, components, what);
+        if (numbers.size() != count * static_cast<std::size_t>(components))
+            throw InputError(
+                document_.file + ": " + where_ + " has " + std::to_string(count) + " positions and " +
+                std::to_string(numbers.size() / static_cast<std::size_t>(components)) + " colours");
+        for (std::size_t i = 0; i < count; ++i) {
+            const float* rgb = &numbers[i * static_cast<std::size_t>(components)];
+            glm::vec3& value = albedo[albedo.size() - count + i];
+            for (int c = 0; c < 3; ++c)
+                value[c] *= std::isfinite(rgb[c]) ? std::clamp(rgb[c], 0.0f, 1.0f) : 1;
+        }
+    }
+
     void triangles(TriangleMesh& mesh, int mode, const std::vector<std::uint32_t>& indices,
                    const PrimitiveRange& range) {
         const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
@@ -109,18 +145,19 @@ class MeshImporter {
     const GltfDocument& document_;
     ImportReport& report_;
     std::string where_;
+    bool looks_;
 };
 
 }  // namespace
 
-ImportedScene import_gltf(const std::filesystem::path& path) {
-    GltfDocument document = load_gltf_document(path);
+ImportedScene import_gltf(const std::filesystem::path& path, const ImportOptions& options) {
+    GltfDocument document = load_gltf_document(path, options.looks);
     ImportedScene scene;
     scene.report.warnings = std::move(document.warnings);
     scene.nodes = gltf_nodes(document);
-    MeshImporter importer(document, scene.report);
+    MeshImporter importer(document, scene.report, options.looks);
     for (std::size_t i = 0; i < document.model.meshes.size(); ++i) scene.meshes.push_back(importer.import(i));
-    scene.instances = gltf_instances(document, scene.nodes);
+    scene.instances = gltf_instances(document, scene.nodes, options.looks ? &scene.cameras : nullptr);
     for (const SceneInstance& instance : scene.instances)
         if (document.model.nodes[static_cast<std::size_t>(instance.source_node)].skin >= 0 &&
             instance.gpu_instance <= 0)

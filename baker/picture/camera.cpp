@@ -10,15 +10,9 @@
 #include "baker/parallel.hpp"
 
 namespace dfield {
-namespace {
 
-struct Basis {
-    glm::vec3 right, up, back;
-};
-
-// Right-handed, looking along -back. A view straight along `up` still gets a frame.
-Basis view_basis(const glm::vec3& back, const glm::vec3& up) {
-    Basis basis;
+ViewBasis view_basis(const glm::vec3& back, const glm::vec3& up) {
+    ViewBasis basis;
     basis.back = glm::normalize(back);
     glm::vec3 right = glm::cross(up, basis.back);
     if (glm::dot(right, right) < 1e-12f * glm::dot(up, up))
@@ -29,12 +23,10 @@ Basis view_basis(const glm::vec3& back, const glm::vec3& up) {
     return basis;
 }
 
-}  // namespace
-
 Camera frame_bounds(const Bounds& bounds, const glm::vec3& direction_to_eye, const glm::vec3& up,
                     float fov_degrees, float aspect) {
     constexpr float kMargin = 0.96f;  // of the half picture, so 2% stay free on each side
-    const Basis basis = view_basis(direction_to_eye, up);
+    const ViewBasis basis = view_basis(direction_to_eye, up);
     const float tangent_y = kMargin * std::tan(0.5f * glm::radians(fov_degrees));
     const float tangent_x = tangent_y * aspect;
     // A corner at (x, z) is in view of an eye at (ex, ez) when +-(x - ex) <= (ez - z) tangent: the extremes
@@ -62,7 +54,7 @@ Camera frame_bounds(const Bounds& bounds, const glm::vec3& direction_to_eye, con
 Image render_rays(const Camera& camera, const RenderOptions& options, const RayColour& colour) {
     if (camera.eye == camera.target || camera.up == glm::vec3(0) || options.samples == 0)
         throw std::invalid_argument("render: a camera without direction, or no samples");
-    const Basis basis = view_basis(camera.eye - camera.target, camera.up);
+    const ViewBasis basis = view_basis(camera.eye - camera.target, camera.up);
     const float half_height = std::tan(0.5f * glm::radians(camera.vertical_fov_degrees));
     const float pixel = 2 * half_height / static_cast<float>(options.height);
     const auto n = options.samples;

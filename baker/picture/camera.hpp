@@ -23,6 +23,12 @@ struct RenderOptions {
     int threads = 0;  // 0 = all
 };
 
+// Right-handed and unit, looking along -back. A view straight along `up` still gets one. Neither vector is 0.
+struct ViewBasis {
+    glm::vec3 right, up, back;
+};
+ViewBasis view_basis(const glm::vec3& back, const glm::vec3& up);
+
 // The camera that looks from a direction (towards the eye) and stands as near as it may while all eight
 // corners of the box stay in view, with a margin of 2% of the picture. aspect = width / height.
 Camera frame_bounds(const Bounds& bounds, const glm::vec3& direction_to_eye, const glm::vec3& up,

@@ -54,6 +54,7 @@ if(DFIELD_BUILD_BAKER)
   dfield_find_header(DFIELD_NIFTI_INCLUDE nifti2_io.h libnifti2-dev nifti)
   dfield_find_library(DFIELD_NIFTI_LIBRARY nifti2 libnifti2-dev)
   dfield_find_package(ZLIB zlib1g-dev)
+  dfield_find_package(OpenEXR libopenexr-dev 3)
 endif()
 
 if(DFIELD_BUILD_TESTS)

@@ -35,6 +35,6 @@ foreach(kind IN ITEMS INCLUDE LIBRARY PACKAGE)
 endforeach()
 set(runtime libzstd-dev libhwy-dev libxxhash-dev libglm-dev)
 set(baker libembree-dev libopenmesh-dev libtinygltf-dev libtbb-dev nlohmann-json3-dev libcli11-dev libstb-dev
-    libteem-dev libnifti2-dev zlib1g-dev)
+    libteem-dev libnifti2-dev zlib1g-dev libopenexr-dev)
 expect_error("${nothing}" "${runtime};${baker};catch2")
 expect_error("${nothing};-DDFIELD_BUILD_BAKER=OFF;-DDFIELD_BUILD_TESTS=OFF" "${runtime}")
