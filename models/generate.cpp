@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/harbour.hpp"
 #include "models/scene_instances.hpp"
 #include "models/shapes.hpp"
 
@@ -62,6 +63,7 @@ void generate(const std::filesystem::path& folder) {
     write_file(folder / "leafy_tree.obj",
                obj_text(leafy_tree(), "A tree of boughs, twigs and one-sided leaves; up = +y."));
     write_file(folder / "scene_instances.glb", scene_instances_glb());
+    write_file(folder / "harbour.glb", harbour_glb());
 }
 
 }  // namespace

@@ -11,22 +11,6 @@
 namespace dfield::cli {
 namespace {
 
-// A name out of a few, spelt in any case; `value` holds the default.
-template<class Value>
-CLI::Option* add_choice(CLI::App& command, const std::string& flag, Value& value,
-                        const std::vector<std::pair<std::string, Value>>& choices,
-                        const std::string& description) {
-    std::vector<std::string> names;
-    for (const auto& [name, meaning] : choices) names.push_back(name);
-    const auto set = [&value, choices](const std::string& chosen) {
-        for (const auto& [name, meaning] : choices)
-            if (name == chosen) value = meaning;
-    };
-    return command.add_option_function<std::string>(flag, set, description)
-        ->default_str(names.front())
-        ->transform(CLI::IsMember(names, CLI::ignore_case));
-}
-
 // CLI::Range and its kin let NaN through.
 template<class Accept>
 CLI::Validator number_that(const std::string& is, const std::string& shown, const Accept& accept) {
