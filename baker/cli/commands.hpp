@@ -13,6 +13,7 @@ void add_info_command(CLI::App& app, ExitCode& exit_code);
 void add_validate_command(CLI::App& app, ExitCode& exit_code);
 void add_ao_command(CLI::App& app, ExitCode& exit_code);
 void add_compare_command(CLI::App& app, ExitCode& exit_code);
+void add_screen_command(CLI::App& app, ExitCode& exit_code);
 void add_volume_command(CLI::App& app, ExitCode& exit_code);
 
 }  // namespace dfield::cli

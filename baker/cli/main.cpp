@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
         "  dfield ao room.glb -o room-ao.glb              ambient occlusion at every vertex of a scene\n"
         "  dfield volume info brain.nii.gz                size, type and place of a volume\n"
         "  dfield volume sweep ct.nrrd --iso 500 -o ao.nrrd  ambient occlusion of its isosurface\n"
+        "  dfield screen room.glb --indirect -o lit.png   occlusion and indirect light in screen space\n"
         "  dfield compare --caster bunny.obj --image c.png  lookup against ray casting, numbers and "
         "pictures\n"
         "\n"
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
     cli::add_ao_command(app, exit_code);
     cli::add_compare_command(app, exit_code);
     cli::add_volume_command(app, exit_code);
+    cli::add_screen_command(app, exit_code);
     cli::install_interrupt_handler();
     try {
         app.parse(argc, argv);

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "baker/screen/fuzzy_measure.hpp"
 #include "dfield/dfield.hpp"
+#include "dfield/screen.h"
 
 namespace dfield::cli {
 
