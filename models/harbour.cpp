@@ -86,7 +86,7 @@ Hull hull(double length, double width, double height, const glm::dvec3& bottom, 
     for (int rib = 0; rib <= kRibs; ++rib) {
         const double along = static_cast<double>(rib) / kRibs;  // 0 stern, 1 bow
         const double breadth =
-            0.5 * width * (along < 0.4 ? 0.82 + 0.45 * along : std::sqrt((1 - along) / 0.6));
+            0.5 * width * (along < 0.4 ? 0.82 + 0.45 * along : 0.04 + 0.96 * std::sqrt((1 - along) / 0.6));
         const double sheer =
             0.12 * height * (2 * along - 1) * (2 * along - 1) + 0.25 * height * along * along;
         const double x = length * (along - 0.5);
@@ -259,7 +259,7 @@ class Harbour {
         boat("ketch", {-1.6, -0.65, 1.15}, 2, 4.6, red, white, yellow, true);
         boat("tug", {4.1, -0.65, 1.05}, -3, 3.4, blue, red, white, false);
         boat("dinghy", {-6.2, -0.66, 1.3}, 12, 2.4, white, green, red, true);
-        boat("sloop", {1.2, -0.66, 3.9}, 28, 3, blue, yellow, white, true);
+        boat("sloop", {-4.2, -0.66, 4.6}, 24, 3, blue, yellow, white, true);
     }
 
     void crane() {
@@ -273,7 +273,7 @@ class Harbour {
     }
 
     void camera() {
-        const glm::dvec3 eye(5.6, 4.3, 11.2), target(-0.4, 0.5, -1.6), look = target - eye;
+        const glm::dvec3 eye(7.4, 5.6, 14.6), target(-0.2, 0.7, -1.8), look = target - eye;
         const double yaw = std::atan2(-look.x, -look.z) / 2,
                      pitch = std::atan2(look.y, std::hypot(look.x, look.z)) / 2;
         const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6 + 0.0; };

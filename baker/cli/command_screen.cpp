@@ -19,7 +19,7 @@ struct ScreenCommand {
     ScreenOptions options;
     FarOptions far;
     ReferenceOptions reference;
-    std::string output, gbuffer, show = "auto";
+    std::string output, gbuffer, reference_picture, show = "auto";
     bool indirect = false, derive_normals = false;
     int repetitions = 5;
     CommonOptions common;
@@ -29,6 +29,7 @@ void check_command(ScreenCommand& command) {
     if (command.output.empty() && command.gbuffer.empty() && command.common.json.empty())
         throw Error(ExitCode::kUsage, "give -o PICTURE.png, --gbuffer or --json: nothing else comes out");
     check_picture(command.output);
+    check_picture(command.reference_picture);
     if (!command.gbuffer.empty()) {
         if (!is_gbuffer(command.gbuffer))
             throw Error(ExitCode::kUsage,
@@ -115,6 +116,11 @@ void run(ScreenCommand& command) {
         write_png(command.output,
                   screen_picture(command.show, runner.buffer(), shading,
                                  {vector_of(command.options.ambient), vector_of(command.input.background)}));
+    if (!command.reference_picture.empty()) {
+        if (!subject.lit) throw Error(ExitCode::kUsage, "--reference-picture needs a scene; give --scene");
+        const ScreenShading rays{runner.picture_by_rays(desc, far_wanted), {}, {}, 0};
+        write_png(command.reference_picture, screen_picture("visibility", runner.buffer(), rays, {}));
+    }
     json["image"] = command.output;
     if (!command.gbuffer.empty()) json["gbuffer"] = command.gbuffer;
     write_json_report(command.common.json, json);
@@ -140,6 +146,9 @@ void add_screen_command(CLI::App& app, ExitCode&) {
     screen->add_flag("--indirect", command->indirect, "Light from the neighbourhood too: colours bleed");
     screen->add_option("--gbuffer", command->gbuffer,
                        "Also write what the camera sees: .exr, or .json with PNGs beside it");
+    screen->add_option("--reference-picture", command->reference_picture,
+                       "Also a PNG of visibility by --reference-rays through the scene at every pixel; with "
+                       "--field at any distance");
     screen->add_flag("--derive-normals", command->derive_normals, "From depth, whatever normals there are");
     add_screen_options(*screen, command->options, true);
     add_far_options(*screen, command->far);

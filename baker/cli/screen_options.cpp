@@ -106,7 +106,7 @@ void add_screen_options(CLI::App& command, ScreenOptions& options, bool choice) 
                   "tangent, plain: not normalised, 0.4 on an open plane with quartic")
         ->group("Estimator");
     add_choice<std::uint32_t>(
-        command, "--sight", options.desc.rays, {{"view", DFIELD_RAYS_VIEW}, {"axis", DFIELD_RAYS_AXIS}},
+        command, "--sight", options.desc.sight, {{"view", DFIELD_SIGHT_VIEW}, {"axis", DFIELD_SIGHT_AXIS}},
         "Rays of sight around a point are parallel to the one through it, or, as in the "
         "paper, to the camera's axis")
         ->group("Estimator");

@@ -117,8 +117,8 @@ std::vector<float> ScreenRunner::integral(const dfield_screen_desc& desc,
     return values;
 }
 
-RayReference ScreenRunner::by_rays(const dfield_screen_desc& desc, bool indirect, bool unbounded) const {
-    if (!subject_.lit) return {};
+RayReference ScreenRunner::trace(std::span<const std::uint32_t> pixels, const dfield_screen_desc& desc,
+                                 bool indirect, bool unbounded) const {
     RayReferenceOptions options;
     options.measure = measure_of(desc);
     options.rays = rays_;
@@ -126,7 +126,20 @@ RayReference ScreenRunner::by_rays(const dfield_screen_desc& desc, bool indirect
     options.unbounded = unbounded;
     options.threads = threads_;
     options.cancel = &interrupted;
-    return trace_reference(*subject_.lit, buffer_, pixels_, options);
+    return trace_reference(*subject_.lit, buffer_, pixels, options);
+}
+
+RayReference ScreenRunner::by_rays(const dfield_screen_desc& desc, bool indirect, bool unbounded) const {
+    return subject_.lit ? trace(pixels_, desc, indirect, unbounded) : RayReference{};
+}
+
+std::vector<float> ScreenRunner::picture_by_rays(const dfield_screen_desc& desc, bool unbounded) const {
+    const std::vector<std::uint32_t> all = surface_pixels(buffer_, buffer_.pixels());
+    const RayReference reference = trace(all, desc, false, unbounded);
+    std::vector<float> picture(buffer_.pixels(), 1.0f);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        picture[all[i]] = (unbounded ? reference.sky : reference.visibility)[i];
+    return picture;
 }
 
 double rms_grey(const std::vector<float>& a, const std::vector<float>& b) {

@@ -46,6 +46,8 @@ class ScreenRunner {
                                 std::vector<glm::vec3>* indirect = nullptr) const;
     // Empty where there is no scene.
     RayReference by_rays(const dfield_screen_desc& desc, bool indirect, bool unbounded) const;
+    // Visibility by rays at every pixel. There is a scene.
+    std::vector<float> picture_by_rays(const dfield_screen_desc& desc, bool unbounded) const;
 
     // values at the reference pixels
     template<class Value>
@@ -57,6 +59,8 @@ class ScreenRunner {
 
   private:
     dfield_screen_buffers view() const;
+    RayReference trace(std::span<const std::uint32_t> pixels, const dfield_screen_desc& desc, bool indirect,
+                       bool unbounded) const;
 
     const ScreenSubject& subject_;
     int threads_;

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "baker/error.hpp"
+#include "baker/scene.hpp"
 #include "tests/import/gltf_builder.hpp"
 #include "tests/test_data.hpp"
 
