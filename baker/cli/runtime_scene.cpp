@@ -10,18 +10,19 @@
 namespace dfield::cli {
 namespace {
 
-Context make_context(Threads& threads) {
+Context make_context(Threads& threads, dfield_simd simd) {
     dfield_context_desc desc{};
     desc.struct_size = sizeof desc;
     threads.install(desc);
+    desc.simd = simd;
     return Context(&desc);
 }
 
 }  // namespace
 
-ThreadedContext::ThreadedContext(int threads)
+ThreadedContext::ThreadedContext(int threads, dfield_simd simd)
     : threads_(std::make_unique<Threads>(static_cast<unsigned>(thread_count(threads)))),
-      context_(make_context(*threads_)) {}
+      context_(make_context(*threads_, simd)) {}
 
 const char* name_of(dfield_kind kind) {
     switch (kind) {

@@ -17,7 +17,8 @@ namespace dfield::cli {
 // it.
 class ThreadedContext {
   public:
-    explicit ThreadedContext(int threads);
+    // `simd` caps the instruction set.
+    explicit ThreadedContext(int threads, dfield_simd simd = DFIELD_SIMD_BEST);
     const Context& get() const { return context_; }
 
   private:

@@ -30,8 +30,11 @@ struct Casters {
     Bounds bounds;
     bool any = false;
 
+    // Of the imported scene's instances; DFIELD_NO_INSTANCE for those that do not cast.
+    std::vector<dfield_instance> ids;
+
     void add(const Field& field, const glm::mat4& transform) {
-        scene.add(field, &transform[0][0]);
+        ids.push_back(scene.add(field, &transform[0][0]));
         const dfield_field_info info = field.info();
         for (int corner = 0; corner < 8; ++corner) {
             glm::vec4 point(0, 0, 0, 1);
@@ -57,7 +60,10 @@ void add_meshes(Casters& casters, const FarOptions& options, const ImportedScene
     const FieldPlan plan{.maps = FieldParameters{}};
     for (const SceneInstance& instance : scene.instances) {
         const SceneMesh& mesh = scene.meshes[instance.mesh];
-        if (!casts(mesh.mesh, instance.transform)) continue;
+        if (!casts(mesh.mesh, instance.transform)) {
+            casters.ids.push_back(DFIELD_NO_INSTANCE);
+            continue;
+        }
         if (!fields.contains(instance.mesh)) {
             ProgressBar progress("baking " + mesh.name, "ray", common.quiet);
             BakeOptions bake;
@@ -101,6 +107,10 @@ void add_far_options(CLI::App& command, FarOptions& options) {
         ->capture_default_str()
         ->check(CLI::Range(1u, DFIELD_MAX_RAYS))
         ->group(kGroup);
+    command
+        .add_flag("--field-others", options.others,
+                  "auto: objects do not ask their own field, which near their surface is coarse")
+        ->group(kGroup);
     command.add_option("--cache", options.cache, "Folder of baked fields")
         ->capture_default_str()
         ->group(kGroup);
@@ -110,6 +120,8 @@ void add_far_options(CLI::App& command, FarOptions& options) {
 FarVisibility far_visibility(const FarOptions& options, const ScreenSubject& subject,
                              const ScreenRunner& runner, const dfield_screen_desc& desc,
                              const CommonOptions& common) {
+    if (options.others && (options.field != "auto" || subject.instances.empty()))
+        throw Error(ExitCode::kUsage, "--field-others goes with a scene and --field auto");
     const Context& context = runner.context();
     Casters casters{Scene(context), {}};
     if (options.field != "auto")
@@ -122,6 +134,7 @@ FarVisibility far_visibility(const FarOptions& options, const ScreenSubject& sub
     const GBuffer& buffer = runner.buffer();
     const std::vector<std::uint32_t> pixels = surface_pixels(buffer, buffer.pixels());
     Receivers receivers;
+    std::vector<dfield_instance> owners;
     const float lift =
         1e-4f * std::max({casters.bounds.size().x, casters.bounds.size().y, casters.bounds.size().z});
     for (const std::uint32_t pixel : pixels) {
@@ -129,6 +142,7 @@ FarVisibility far_visibility(const FarOptions& options, const ScreenSubject& sub
         receivers.positions.push_back(point.position + lift * point.normal);
         receivers.normals.push_back(point.normal);
         casters.grow(point.position);
+        if (options.others) owners.push_back(casters.ids[subject.instances[pixel]]);
     }
 
     dfield_ao_desc ao = Ao::defaults();
@@ -140,7 +154,7 @@ FarVisibility far_visibility(const FarOptions& options, const ScreenSubject& sub
         try {
             const Ao settings(context, ao);
             const auto start = std::chrono::steady_clock::now();
-            if (!values.empty()) casters.scene.visibility(settings, receivers.view(), values.data());
+            if (!values.empty()) casters.scene.visibility(settings, receivers.view(owners), values.data());
             ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         } catch (const Exception& error) {
             throw InputError(options.field + ": " + error.what());

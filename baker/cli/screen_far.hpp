@@ -16,10 +16,11 @@
 
 namespace dfield::cli {
 
-// --field --field-rays --cache --no-cache
+// --field --field-rays --field-others --cache --no-cache
 struct FarOptions {
     std::string field;  // empty: none; auto: of each mesh where its nodes stand; a .dfield of the whole scene
     std::uint32_t rays = 256;
+    bool others = false;  // an object's own field is not asked from its surface
     std::filesystem::path cache;
     bool no_cache = false;
 };

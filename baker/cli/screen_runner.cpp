@@ -42,11 +42,12 @@ double rms(double sum, std::size_t count) {
 
 }  // namespace
 
-ScreenRunner::ScreenRunner(const ScreenSubject& subject, int threads, const ReferenceOptions& reference)
+ScreenRunner::ScreenRunner(const ScreenSubject& subject, int threads, const ReferenceOptions& reference,
+                           dfield_simd simd)
     : subject_(subject),
       threads_(threads),
       rays_(reference.rays),
-      context_(threads),
+      context_(threads, simd),
       buffer_(subject.buffer),
       pixels_(surface_pixels(buffer_, reference.pixels)) {
     std::vector<glm::vec3> normals(buffer_.pixels(), glm::vec3(0));

@@ -34,7 +34,8 @@ struct ScreenReference {
 class ScreenRunner {
   public:
     // The subject must outlive this. Throws InputError for what the runtime refuses.
-    ScreenRunner(const ScreenSubject& subject, int threads, const ReferenceOptions& reference);
+    ScreenRunner(const ScreenSubject& subject, int threads, const ReferenceOptions& reference,
+                 dfield_simd simd = DFIELD_SIMD_BEST);
 
     const Context& context() const { return context_.get(); }
     // The subject's buffer with the normals that the runtime uses: its own, or derived from depth.

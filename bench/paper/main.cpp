@@ -8,6 +8,7 @@
 #include "bench/cutting/chapter.hpp"
 #include "bench/kinds/report.hpp"
 #include "bench/paper/figures.hpp"
+#include "bench/screen/chapter.hpp"
 
 namespace dfield::paper {
 namespace {
@@ -63,12 +64,19 @@ void write_volumes(const volumes::Chapter& chapter, const Options& options, Page
     volumes::write_chapter(chapter, figures, options.quick, page);
 }
 
+void write_screen(const Options& options, Page& page) {
+    say("screen");
+    screens::write_screen({options.own, page, options.quick}, page);
+}
+
 void run_chapter(const Options& options) {
     Page page(options.output);
     if (options.only == "volumes") {
         write_volumes(volumes::sweeping_chapter(), options, page);
     } else if (options.only == "cutting") {
         write_volumes(cutting::cutting_chapter(), options, page);
+    } else if (options.only == "screen") {
+        write_screen(options, page);
     } else {
         Lab lab(options.own, options.shared, options.quick);
         write_kinds(lab, page);
@@ -101,6 +109,7 @@ void run(const Options& options) {
     write_kinds(lab, page);
     write_volumes(volumes::sweeping_chapter(), options, page);
     write_volumes(cutting::cutting_chapter(), options, page);
+    write_screen(options, page);
     page.save();
     std::printf("%s\n", options.output.string().c_str());
 }
@@ -127,7 +136,7 @@ int main(int argc, char** argv) {
                    "The scans; what needs them is left out where they are missing")
         ->capture_default_str();
     app.add_option("--only", options.only, "This chapter alone; the page's others stay as they are")
-        ->check(CLI::IsMember({"kinds", "volumes", "cutting"}));
+        ->check(CLI::IsMember({"kinds", "volumes", "cutting", "screen"}));
     app.add_flag("--quick", options.quick, "For tests: own models only, small fields, few rays, one round");
     CLI11_PARSE(app, argc, argv);
     try {
