@@ -118,7 +118,7 @@ void run(ScreenCommand& command) {
                                  {vector_of(command.options.ambient), vector_of(command.input.background)}));
     if (!command.reference_picture.empty()) {
         if (!subject.lit) throw Error(ExitCode::kUsage, "--reference-picture needs a scene; give --scene");
-        const ScreenShading rays{runner.picture_by_rays(desc, far_wanted), {}, {}, 0};
+        const ScreenShading rays{runner.picture_by_rays(desc, command.reference.rays, far_wanted), {}, {}, 0};
         write_png(command.reference_picture, screen_picture("visibility", runner.buffer(), rays, {}));
     }
     json["image"] = command.output;

@@ -118,11 +118,11 @@ std::vector<float> ScreenRunner::integral(const dfield_screen_desc& desc,
     return values;
 }
 
-RayReference ScreenRunner::trace(std::span<const std::uint32_t> pixels, const dfield_screen_desc& desc,
-                                 bool indirect, bool unbounded) const {
+RayReference ScreenRunner::trace(std::span<const std::uint32_t> pixels, std::uint32_t rays,
+                                 const dfield_screen_desc& desc, bool indirect, bool unbounded) const {
     RayReferenceOptions options;
     options.measure = measure_of(desc);
-    options.rays = rays_;
+    options.rays = rays;
     options.indirect = indirect;
     options.unbounded = unbounded;
     options.threads = threads_;
@@ -131,12 +131,13 @@ RayReference ScreenRunner::trace(std::span<const std::uint32_t> pixels, const df
 }
 
 RayReference ScreenRunner::by_rays(const dfield_screen_desc& desc, bool indirect, bool unbounded) const {
-    return subject_.lit ? trace(pixels_, desc, indirect, unbounded) : RayReference{};
+    return subject_.lit ? trace(pixels_, rays_, desc, indirect, unbounded) : RayReference{};
 }
 
-std::vector<float> ScreenRunner::picture_by_rays(const dfield_screen_desc& desc, bool unbounded) const {
+std::vector<float> ScreenRunner::picture_by_rays(const dfield_screen_desc& desc, std::uint32_t rays,
+                                                 bool unbounded) const {
     const std::vector<std::uint32_t> all = surface_pixels(buffer_, buffer_.pixels());
-    const RayReference reference = trace(all, desc, false, unbounded);
+    const RayReference reference = trace(all, rays, desc, false, unbounded);
     std::vector<float> picture(buffer_.pixels(), 1.0f);
     for (std::size_t i = 0; i < all.size(); ++i)
         picture[all[i]] = (unbounded ? reference.sky : reference.visibility)[i];

@@ -48,7 +48,8 @@ class ScreenRunner {
     // Empty where there is no scene.
     RayReference by_rays(const dfield_screen_desc& desc, bool indirect, bool unbounded) const;
     // Visibility by rays at every pixel. There is a scene.
-    std::vector<float> picture_by_rays(const dfield_screen_desc& desc, bool unbounded) const;
+    std::vector<float> picture_by_rays(const dfield_screen_desc& desc, std::uint32_t rays,
+                                       bool unbounded) const;
 
     // values at the reference pixels
     template<class Value>
@@ -60,8 +61,8 @@ class ScreenRunner {
 
   private:
     dfield_screen_buffers view() const;
-    RayReference trace(std::span<const std::uint32_t> pixels, const dfield_screen_desc& desc, bool indirect,
-                       bool unbounded) const;
+    RayReference trace(std::span<const std::uint32_t> pixels, std::uint32_t rays,
+                       const dfield_screen_desc& desc, bool indirect, bool unbounded) const;
 
     const ScreenSubject& subject_;
     int threads_;

@@ -46,7 +46,7 @@ Json measure_far(const Lab& lab) {
             return screen_picture("visibility", runner.buffer(), {frame, {}, {}, 0}, {});
         };
         const std::array<Image, 4> images{picture(near.visibility), picture(far.all), picture(both),
-                                          picture(runner.picture_by_rays(desc, true))};
+                                          picture(runner.picture_by_rays(desc, 256, true))};
         const std::array<std::string, 4> names{"screen space", "fields", "both", "rays"};
         const std::array<Image, 2> halves{image_row(std::span(images).first(2), std::span(names).first(2)),
                                           image_row(std::span(images).last(2), std::span(names).last(2))};
