@@ -26,6 +26,8 @@ Field load_field(const Context& context, const std::vector<std::byte>& bytes, co
 
 // Fields where they stand, and how far apart anything in them is.
 struct Casters {
+    explicit Casters(const Context& context) : scene(context) {}
+
     Scene scene;
     Bounds bounds;
     bool any = false;
@@ -123,7 +125,7 @@ FarVisibility far_visibility(const FarOptions& options, const ScreenSubject& sub
     if (options.others && (options.field != "auto" || subject.instances.empty()))
         throw Error(ExitCode::kUsage, "--field-others goes with a scene and --field auto");
     const Context& context = runner.context();
-    Casters casters{Scene(context), {}};
+    Casters casters(context);
     if (options.field != "auto")
         add_file(casters, options, context);
     else if (subject.scene)

@@ -20,8 +20,8 @@ struct ScreenShading {
 };
 
 struct ReferenceOptions {
-    std::size_t pixels = 2048;  // at most so many, spread over those that show a surface
-    std::uint32_t rays = 1024;
+    std::size_t pixels = 1024;  // at most so many, spread over those that show a surface
+    std::uint32_t rays = 512;
 };
 
 // What a frame is held against, at some pixels. In world space: empty where there is no scene.

@@ -46,7 +46,7 @@ Image plot_of(const Json& rows, const char* key, const char* title, bool interle
         for (const Json& row : rows)
             if (row["estimator"] == series.name && row["interleaved"] == interleaved)
                 series.points.push_back(
-                    {row["lookups"].get<double>(), std::max(row[key].get<double>(), 0.05), {}});
+                    {row["samples"].get<double>(), std::max(row[key].get<double>(), 0.05), {}});
         plot.series.push_back(std::move(series));
     }
     return draw_plot(plot);
@@ -84,7 +84,6 @@ Json measure_errors(const Lab& lab) {
                 const std::vector<float> at = runner.at_pixels(runner.shade(desc, false, 1).visibility);
                 rows.push_back({{"estimator", cli::name_of(estimator)},
                                 {"samples", samples},
-                                {"lookups", samples},
                                 {"interleaved", interleaved},
                                 {"to_screen", cli::rms_grey(at, integral)},
                                 {"to_world", cli::rms_grey(at, world.visibility)}});
