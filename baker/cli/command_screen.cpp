@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "baker/cli/commands.hpp"
 #include "baker/cli/screen_far.hpp"
@@ -70,6 +71,8 @@ void run(ScreenCommand& command) {
     const dfield_screen_desc desc = screen_desc(command.options, subject.default_radius());
     ScreenShading shading = runner.shade(desc, command.indirect, command.repetitions);
     const bool far_wanted = !command.far.field.empty();
+    std::optional<FarVisibility> far;
+    if (far_wanted) far = far_visibility(command.far, subject, runner, desc, command.common);
 
     Json json = screen_json(command.input, subject, desc);
     json["indirect"] = command.indirect;
@@ -106,11 +109,10 @@ void run(ScreenCommand& command) {
     say(command.common.json, "RMS error in grey levels: " + error_text("rms_grey_screen") +
                                  " to the screen-space integral, " + error_text("rms_grey_world") +
                                  " to rays in world space");
-    if (far_wanted) {
-        const FarVisibility far = far_visibility(command.far, subject, runner, desc, command.common);
-        json["far"] = far_json(command, runner, shading, far, world);
-        say(command.common.json, text("with %s: %.1f ms more", command.far.field.c_str(), far.ms));
-        shading.visibility = combined(shading.visibility, far.beyond);
+    if (far) {
+        json["far"] = far_json(command, runner, shading, *far, world);
+        say(command.common.json, text("with %s: %.1f ms more", command.far.field.c_str(), far->ms));
+        shading.visibility = combined(shading.visibility, far->beyond);
     }
     if (!command.output.empty())
         write_png(command.output,
