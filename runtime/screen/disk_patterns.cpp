@@ -6,18 +6,22 @@ void Offsets::make(const Lattice& lattice, const DiskSample* samples, std::uint3
                    const Pattern& pattern, std::int32_t x, std::int32_t y) {
     count = number;
     left = right = up = down = 0;
-    const auto split = [&](std::int32_t at, std::int32_t& rest) {
+    // Into pictures of the lattice and the place in the square. What lies outside from everywhere is no
+    // farther away than that needs, so that indices stay small.
+    const auto split = [&](std::int32_t from, float by, std::int32_t most, std::int32_t& rest) {
+        constexpr float kFar = 0x1p24f;
+        const std::int32_t at = from + static_cast<std::int32_t>(std::clamp(by, -kFar, kFar));
         const std::int32_t whole = at >= 0 ? at / lattice.side : -((lattice.side - 1 - at) / lattice.side);
         rest = at - whole * lattice.side;
-        return whole;
+        return std::clamp(whole, -most, most);
     };
     const float aspect = pattern.radius_x / pattern.radius_y;
     for (std::uint32_t i = 0; i < count; ++i) {
         Offset& o = offsets[i];
         const float columns = pattern.columns(samples[i]), rows = pattern.rows(samples[i]);
         std::int32_t to_x = 0, to_y = 0;
-        o.columns = split(x + static_cast<std::int32_t>(columns), to_x);
-        o.rows = split(y + static_cast<std::int32_t>(rows), to_y);
+        o.columns = split(x, columns, lattice.width + 2 * Lattice::kBorder, to_x);
+        o.rows = split(y, rows, lattice.height + 2, to_y);
         o.index = static_cast<std::int32_t>(lattice.index(to_x, to_y, o.columns, o.rows));
         o.x = columns;
         o.y = -rows * aspect;

@@ -9,8 +9,7 @@
 namespace dfield::runtime::screen {
 namespace {
 
-// T and B of a frame around a normal that does not look away from the viewer (T. Duff et al.: Building an
-// Orthonormal Basis, Revisited, 2017; its sign is always +, but for what the ray of sight lets by).
+// T and B of a frame around a normal (T. Duff et al.: Building an Orthonormal Basis, Revisited, 2017).
 struct Tangents {
     glm::vec3 t, b;
     explicit Tangents(const glm::vec3& n) {

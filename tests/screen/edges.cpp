@@ -66,6 +66,23 @@ TEST_CASE("A neighbourhood of the whole scene, or far more", "[screen][edges]") 
         }
 }
 
+TEST_CASE("Patterns far wider than the picture, and pixels that are far from square", "[screen][edges]") {
+    for (const double half_height : {0.375, 1e-6, 1e6})
+        for (const std::uint32_t interleave : {1u, 4u}) {
+            Picture picture = take(room(), 300, 200, kLens);
+            picture.camera.half_height = static_cast<float>(half_height);
+            dfield_screen_desc desc = desc_of(DFIELD_ESTIMATOR_DISK, 1e6f);
+            desc.interleave = interleave;
+            desc.samples = 4;
+            const Shot best = shade(picture, desc, Context()),
+                       scalar = shade(picture, desc, context_of(DFIELD_SIMD_SCALAR));
+            float most = 0;
+            for (std::size_t i = 0; i < picture.size(); ++i)
+                most = std::max(most, std::abs(best.visibility[i] - scalar.visibility[i]));
+            CHECK(most < 1e-4f);
+        }
+}
+
 TEST_CASE("Beyond the picture all is open", "[screen][edges]") {
     // A wall that rises out of the picture on the right: a ridge seen in full hides more than one cut off.
     const World world = nearest({plane({0, 0, 1}, -4), plane({-1, 0, 0.2}, -0.98)});
