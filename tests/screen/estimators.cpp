@@ -139,20 +139,20 @@ TEST_CASE("The integral is equation 2", "[screen]") {
 
 TEST_CASE("An open plane", "[screen]") {
     const Context context;
-    const Picture picture = take(plane({0, 0, 1}, -3), 64, 48, perspective(0.5, 0.375));
+    const Picture picture = take(plane({0, 0, 1}, -3), 48, 36, perspective(0.5, 0.375));
     const auto middle = [&](const dfield_screen_desc& desc) {
-        return shade(picture, desc, context).visibility[64 * 24 + 32];
+        return shade(picture, desc, context).visibility[48 * 18 + 24];
     };
     for (const std::uint32_t estimator : kEstimators) {
         dfield_screen_desc desc = plain_desc(estimator, 0.5f, 16);
         INFO("estimator " << estimator);
         CHECK(middle(desc) == 1.0f);  // RATIO: without noise
         desc.weights = DFIELD_WEIGHTS_PLAIN;
-        desc.samples = 4096;
+        desc.samples = 1024;
         CHECK(middle(desc) == Approx(1).margin(0.01));
     }
     // 2 integral_0^1 mu(c) dc
-    dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_TANGENT, 0.5f, 4096);
+    dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_TANGENT, 0.5f, 1024);
     desc.weights = DFIELD_WEIGHTS_PLAIN;
     desc.tangent_as_printed = 1;
     const auto printed = [&](std::uint32_t measure) {
