@@ -50,4 +50,4 @@ require_between(14.9 15 engine dilated) # as large as dilates the paper's share
 require_between(2 200 engine memory) # a small volume weighs less than its borders and the mesh
 require_between(0 0.01 approximate skeleton rms)
 require_between(0 0.05 accuracy worst 54)
-require_between(0.05 0.5 accuracy worst 6)
+require_between(0.002 0.5 accuracy worst 6)
