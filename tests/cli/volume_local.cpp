@@ -86,11 +86,12 @@ TEST_CASE("volume lao writes factors and says how fast") {
 
 TEST_CASE("volume lao --approximate is near, and says so") {
     const Scene scene;
-    const Arguments samples{"--tf", "tf.json", "--ray-samples", "40"};
+    scene.write("haze.json", R"({"points": [[0, 0], [100, 0.1]]})");  // light comes through
     const auto factors = [&](const char* output, Arguments more) {
-        more.insert(more.end(), samples.begin(), samples.end());
-        more.insert(more.end(), {"-o", output, "--json", "-"});
-        const Run run = scene.volume("lao", more);
+        Arguments arguments{"volume",        "lao", "ball.nrrd", "--tf", "haze.json", "--rays", "26",
+                            "--ray-samples", "40",  "-o",        output, "--json",    "-"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Run run = scene.run(arguments);
         INFO(run.err);
         REQUIRE(run.exit_code == 0);
         CHECK(run.json()["approximate"] == (more.front() == "--approximate"));
