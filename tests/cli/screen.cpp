@@ -90,7 +90,7 @@ TEST_CASE("screen: the ground beside a wall is as the closed form has it") {
         const double s = std::sqrt(1 - q * q);
         const double open = q < 1 ? 1 - (std::acos(q) - q * s - 2.0 / 3 * q * s * s * s) / pi : 1;
         INFO(at);
-        CHECK(double{image.at(x, 50)[0]} == Approx(255 * open).margin(9));
+        CHECK(static_cast<double>(image.at(x, 50)[0]) == Approx(255 * open).margin(9));
     }
 }
 
@@ -115,7 +115,8 @@ TEST_CASE("screen: G-buffers written and read give the same picture") {
     const Image c = dfield::read_png(shell.folder() / "c.png"),
                 d = dfield::read_png(shell.folder() / "d.png");
     double sum = 0;
-    for (std::size_t i = 0; i < c.rgb.size(); ++i) sum += std::pow(double{c.rgb[i]} - double{d.rgb[i]}, 2);
+    for (std::size_t i = 0; i < c.rgb.size(); ++i)
+        sum += std::pow(static_cast<double>(c.rgb[i]) - static_cast<double>(d.rgb[i]), 2);
     CHECK(std::sqrt(sum / static_cast<double>(c.rgb.size())) < 4);
     CHECK(shell.list() == std::vector<std::string>{"a.png", "b.png", "c.png", "cube.obj", "d.png",
                                                    "g-albedo.png", "g-depth.png", "g-normals.png",
