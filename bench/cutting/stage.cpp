@@ -23,7 +23,7 @@ Stage::Stage(const Scene& scene, std::uint32_t rays, int threads, dfield_context
     : Stage(scene, options_of(scene, rays), threads, hooks) {}
 
 Stage::Stage(const Scene& scene, const cli::LocalOptions& options, int threads, dfield_context_desc hooks)
-    : scene_(scene), settings_(options, scene.transfer), runtime_(scene.name, scene.volume, threads, hooks) {}
+    : settings_(options, scene.transfer), runtime_(scene.name, scene.volume, threads, hooks) {}
 
 double Stage::lao(std::vector<float>& visibility) const {
     visibility.resize(voxels());

@@ -24,7 +24,7 @@ float exponential_integral(float sigma, const Pipe& pipe, float low, float high)
 }  // namespace
 
 float pipe_integral(const Measure& measure, const Pipe& pipe, float low, float high) {
-    const auto& [rho2, a, b, unused_low, unused_high, unused_ground] = pipe;
+    const float rho2 = pipe.rho2, a = pipe.a, b = pipe.b;
     if (!(low < high)) return 0;
     const auto r = [&](float t) { return std::sqrt(rho2 + t * t); };
     switch (measure.kind) {

@@ -138,8 +138,8 @@ TEST_CASE("EXR: errors say what is missing") {
              {R"({"depth": {"encoding": "logarithmic"}})", "neither linear nor device"}}) {
         INFO(attribute);
         CHECK_THAT(error(exr(folder, {"Z"}, 1, Imf::FLOAT,
-                             [&](Imf::Header& header) {
-                                 header.insert("dfield", Imf::StringAttribute(attribute));
+                             [&text = attribute](Imf::Header& header) {
+                                 header.insert("dfield", Imf::StringAttribute(text));
                              })),
                    Contains(said));
     }
