@@ -11,7 +11,7 @@ namespace dfield::cutting {
 
 class Stage {
   public:
-    // The scene is the caller's, and is not kept. Rays: 6, 14, 26, 54 or any number of a Fibonacci set.
+    // The scene is the caller's and outlives this. Rays: 6, 14, 26, 54 or any number of a Fibonacci set.
     Stage(const Scene& scene, std::uint32_t rays, int threads = 1, dfield_context_desc hooks = {});
     Stage(const Scene& scene, const cli::LocalOptions& options, int threads = 1,
           dfield_context_desc hooks = {});
