@@ -19,6 +19,13 @@ DepthPixel depth_at(const dfield_clip_mesh& mesh, bool probe, double x, double y
     return {mesh.low().z, mesh.high().z};
 }
 
+// Pixels along one axis that can have the mesh: [low, high).
+struct Extent {
+    std::size_t low, high;
+
+    bool has(std::size_t i) const { return i >= low && i < high; }
+};
+
 }  // namespace
 
 Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool probe, double radius)
@@ -33,63 +40,79 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
     constexpr double kPixels = 160;
     const glm::dvec3 size = mesh.high() - mesh.low();
     const double pixel = (std::max(size.x, size.y) + 2 * radius) / kPixels;
+    // Algorithm 1's radius, with room for where in their pixels both points are; and so many pixels around
+    // the mesh.
+    const double wide = radius + std::sqrt(2.0) * pixel;
+    const auto reach = static_cast<std::ptrdiff_t>(wide / pixel) + 1;
+    const auto pixels_of = [&](double length) { return static_cast<std::size_t>(length / pixel) + 1; };
+    const auto margin = static_cast<std::size_t>(reach);
+    const Extent across{margin, margin + pixels_of(size.x)}, along{margin, margin + pixels_of(size.y)};
+    const std::size_t width = across.high + margin, height = along.high + margin;
     maps_.pixel = pixel;
     maps_.per_pixel = 1 / pixel;
-    maps_.low = glm::dvec2(mesh.low()) - radius - pixel;
-    maps_.width = static_cast<std::int32_t>((size.x + 2 * radius) / pixel) + 4;
-    maps_.height = static_cast<std::int32_t>((size.y + 2 * radius) / pixel) + 4;
-    maps_.pixels.resize(static_cast<std::size_t>(maps_.width) * static_cast<std::size_t>(maps_.height));
+    maps_.low = glm::dvec2(mesh.low()) - static_cast<double>(reach) * pixel;
+    maps_.width = static_cast<std::int32_t>(width);
+    maps_.height = static_cast<std::int32_t>(height);
+    maps_.pixels.resize(width * height);
 
     // The mesh in the dilation's pixels: the least front and the greatest back of the mesh's own pixels
     // there, so that nothing is missed; of a probe, whose inside must not be overestimated, the other way
-    // round.
-    std::pmr::vector<DepthPixel> depths(maps_.pixels.size(), DepthPixel{}, context);
-    const double fine = mesh.exact() ? pixel / 4 : std::min(mesh.maps().pixel, pixel / 2);
+    // round. Depths of a probe are kept with the other sign, so that one rule serves both.
     constexpr double kNone = std::numeric_limits<double>::infinity();
-    const auto width = static_cast<std::size_t>(maps_.width), height = static_cast<std::size_t>(maps_.height);
-    context->for_ranges(height, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t j = begin; j < end; ++j)
-            for (std::size_t i = 0; i < width; ++i) {
-                DepthPixel all = probe ? DepthPixel{-kNone, kNone} : DepthPixel{};
-                const glm::dvec2 low = maps_.low + glm::dvec2(i, j) * pixel;
-                const auto steps = static_cast<int>(std::ceil(pixel / fine));
+    const double sign = probe ? -1 : 1;
+    std::pmr::vector<double> least(width * height, sign * kNone, context),
+        greatest(width * height, -sign * kNone, context);
+    const double fine = mesh.exact() ? pixel / 4 : std::min(mesh.maps().pixel, pixel / 2);
+    const auto steps = static_cast<int>(std::ceil(pixel / fine));
+    context->for_ranges(along.high - along.low, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = along.low + begin; y < along.low + end; ++y)
+            for (std::size_t x = across.low; x < across.high; ++x) {
+                const glm::dvec2 low = maps_.low + glm::dvec2(x, y) * pixel;
+                double front = kNone, back = -kNone;
                 for (int v = 0; v <= steps; ++v)
                     for (int u = 0; u <= steps; ++u) {
                         const DepthPixel d =
                             depth_at(mesh, probe, low.x + u * pixel / steps, low.y + v * pixel / steps);
-                        all.front = probe ? std::max(all.front, d.front) : std::min(all.front, d.front);
-                        all.back = probe ? std::min(all.back, d.back) : std::max(all.back, d.back);
+                        front = std::min(front, sign * d.front);
+                        back = std::max(back, sign * d.back);
                     }
-                depths[j * width + i] = all;
+                least[y * width + x] = front;
+                greatest[y * width + x] = back;
             }
     });
 
-    // Algorithm 1, with a radius that has room for where in their pixels both points are.
-    const double wide = radius + std::sqrt(2.0) * pixel;
-    const auto reach = static_cast<std::ptrdiff_t>(wide / pixel) + 1;
+    // Algorithm 1, a sphere around every point. Offset by offset and not pixel by pixel, so that a row is
+    // loaded as vectors; of a dilation the pixels that have the mesh are looked for from all others, of a
+    // contraction all others from the pixels that have the mesh.
     context->for_ranges(height, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y)
-            for (std::size_t x = 0; x < width; ++x) {
-                DepthPixel found = probe ? DepthPixel{-kNone, kNone} : DepthPixel{};
-                for (std::ptrdiff_t j = -reach; j <= reach; ++j)
-                    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-                        const double away = std::sqrt(static_cast<double>(i * i + j * j)) * pixel;
-                        if (away >= wide) continue;
-                        const auto at_x = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(x) + i),
-                                   at_y = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(y) + j);
-                        const bool within = at_x < width && at_y < height;
-                        const DepthPixel mesh_depth = within ? depths[at_y * width + at_x] : DepthPixel{};
-                        const double sphere = std::sqrt(wide * wide - away * away);
-                        if (probe) {
-                            found.front = std::max(found.front, mesh_depth.front + sphere);
-                            found.back = std::min(found.back, mesh_depth.back - sphere);
-                        } else {
-                            found.front = std::min(found.front, mesh_depth.front - sphere);
-                            found.back = std::max(found.back, mesh_depth.back + sphere);
-                        }
+        std::pmr::vector<double> front(width, context), back(width, context);
+        for (std::size_t to = begin; to < end; ++to) {
+            const bool nothing = probe && !along.has(to);
+            std::ranges::fill(front, kNone);
+            std::ranges::fill(back, -kNone);
+            for (std::ptrdiff_t j = nothing ? reach + 1 : -reach; j <= reach; ++j) {
+                const std::size_t from = to + static_cast<std::size_t>(j);
+                if (!probe && !along.has(from)) continue;
+                for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+                    const double away = std::sqrt(static_cast<double>(i * i + j * j)) * pixel;
+                    if (away >= wide) continue;
+                    const double sphere = std::sqrt(wide * wide - away * away);
+                    const std::size_t first = probe ? across.low : across.low - static_cast<std::size_t>(i);
+                    const std::size_t source = from * width + first + static_cast<std::size_t>(i);
+                    const double *const a = &least[source], *const b = &greatest[source];
+                    double *const f = &front[first], *const g = &back[first];
+                    for (std::size_t x = 0; x < across.high - across.low; ++x) {
+                        f[x] = std::min(f[x], a[x] - sphere);
+                        g[x] = std::max(g[x], b[x] + sphere);
                     }
-                maps_.pixels[y * width + x] = found;
+                }
             }
+            for (std::size_t x = 0; x < width; ++x) {
+                const bool empty = probe && (nothing || !across.has(x));
+                maps_.pixels[to * width + x] =
+                    empty ? DepthPixel{} : DepthPixel{sign * front[x], sign * back[x]};
+            }
+        }
     });
 }
 

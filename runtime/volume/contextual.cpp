@@ -194,23 +194,25 @@ void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::
 }
 
 void dfield_contextual::mark_dilated(dfield_update_result& result) {
-    std::erase_if(dilations_, [&](const Dilation& d) {
-        return std::none_of(applied_.begin(), applied_.end(),
-                            [&](const PlacedClip& clip) { return clip.mesh == d.mesh(); });
-    });
-    std::pmr::vector<const Dilation*> of(context());
+    std::pmr::vector<Dilation> known(std::move(dilations_));  // those that no clip needs any more end here
+    dilations_.clear();
     std::pmr::vector<std::size_t> which(context());
     for (const PlacedClip& clip : applied_) {
         const double radius = dilation_radius(clip, grid_, rays_.reach, coverage_.all() > 1);
-        std::size_t i = 0;
         // Turned and moved, a mesh keeps its maps; made smaller or larger it needs others.
-        while (i < dilations_.size() &&
-               !(dilations_[i].mesh() == clip.mesh && dilations_[i].probe() == clip.probe &&
-                 dilations_[i].radius() >= radius && dilations_[i].radius() <= 1.0001 * radius))
-            ++i;
-        if (i == dilations_.size())
-            dilations_.emplace_back(context(), *clip.mesh, clip.probe, 1.00005 * radius);
-        which.push_back(i);
+        const auto suits = [&](const Dilation& d) {
+            return d.mesh() == clip.mesh && d.probe() == clip.probe && d.radius() >= radius &&
+                   d.radius() <= 1.0001 * radius;
+        };
+        auto found = std::ranges::find_if(dilations_, suits);
+        if (found == dilations_.end()) {
+            if (const auto kept = std::ranges::find_if(known, suits); kept != known.end())
+                dilations_.push_back(std::move(*kept)), known.erase(kept);
+            else
+                dilations_.emplace_back(context(), *clip.mesh, clip.probe, 1.00005 * radius);
+            found = std::prev(dilations_.end());
+        }
+        which.push_back(static_cast<std::size_t>(found - dilations_.begin()));
     }
     std::atomic<std::uint64_t> masked{0};
     context()->for_ranges(pending_.size(), [&](std::size_t begin, std::size_t end) {
@@ -335,6 +337,7 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
         } catch (...) {  // without memory: what is affected is not known, so the next update computes all
             clipped_ = false;
             std::fill(pending_.begin(), pending_.end(), ~0u);
+            dilations_.clear();  // of meshes that may be gone
             throw;
         }
         std::copy(pending_.begin(), pending_.end(), pending_rough_.begin());

@@ -137,3 +137,65 @@ TEST_CASE("Only what a clip has an effect on is computed anew", "[volume][contex
         CHECK(scene.wrong(context, session.visibility()) == 0);
     }
 }
+
+TEST_CASE("A mask has the voxels that rays reach a clip from, and few more", "[volume][contextual]") {
+    const Context context;
+    const ClipMesh ball = clip_mesh(context, sphere_mesh({0, 0, 0}, 1, 64));
+    Cut scene;
+    scene.volume = blobs({64, 60, 56}, 4);
+    scene.mask = DFIELD_UPDATE_DILATED;
+    scene.clip_samples = 0;
+    const glm::dvec3 centre(31.3, 29.8, 28.1);
+    for (const std::uint32_t samples : {3u, 9u})
+        for (const dfield_clip_mode mode : {DFIELD_CLIP_SUBTRACT, DFIELD_CLIP_PROBE})
+            for (const float radius : {8.0f, 14.0f}) {
+                scene.local = local_desc(6, samples);
+                Contextual session(context, scene.desc());
+                dfield_clip clip{};
+                clip.mesh = ball.get();
+                clip.mode = mode;
+                for (int axis = 0; axis < 3; ++axis) {
+                    clip.mesh_to_world[5 * axis] = radius;
+                    clip.mesh_to_world[12 + axis] = static_cast<float>(centre[axis]);
+                }
+                clip.mesh_to_world[15] = 1;
+                session.add(clip);
+                const std::uint64_t masked = session.update().masked;
+                // Room for a voxel around a sample, two of the map's pixels, and the ball's facets.
+                const double reach = samples, margin = 2.0 + 4 * (2 * radius + 2 * reach) / 160;
+                std::uint64_t least = 0, most = 0;
+                for (std::size_t i = 0; i < scene.volume.values.size(); ++i) {
+                    const glm::dvec3 voxel(static_cast<double>(i % 64), static_cast<double>(i / 64 % 60),
+                                           static_cast<double>(i / (64 * 60)));
+                    const double outside = glm::distance(voxel, centre) - radius;
+                    const double away = mode == DFIELD_CLIP_SUBTRACT ? outside : -outside;
+                    least += away > 0.1 && away < reach;
+                    most += away > -0.1 && away < reach + margin;
+                }
+                CHECK(masked >= least);
+                CHECK(masked <= most);
+            }
+}
+
+TEST_CASE("A mesh that grows and shrinks is followed by its mask", "[volume][contextual]") {
+    const Context context;
+    const Meshes meshes(context);
+    Random random(9);
+    Cut scene;
+    scene.volume = blobs({40, 36, 32}, 5);
+    scene.mask = DFIELD_UPDATE_DILATED;
+    Contextual session(context, scene.desc());
+    dfield_clip clip = placed(meshes.meshes[0], DFIELD_CLIP_SUBTRACT, random, {20, 18, 16}, 6);
+    const std::uint32_t id = session.add(clip);
+    // The same mesh twice, at one scale and then at two.
+    const dfield_clip other = clip;
+    const std::uint32_t second = session.add(other);
+    scene.clips = {{id, clip}, {second, other}};
+    for (const float by : {1.0f, 1.3f, 1.3f, 0.6f, 1.0f}) {
+        for (int i = 0; i < 12; ++i) clip.mesh_to_world[i] *= by;
+        session.move(id, clip.mesh_to_world);
+        scene.clips[id] = clip;
+        CHECK(session.update().masked > 0);
+        CHECK(scene.wrong(context, session.visibility()) == 0);
+    }
+}
