@@ -1,6 +1,5 @@
 // Tables 5 and 6 and figure 12: how many rays it takes.
 #include <algorithm>
-#include <cmath>
 
 #include "bench/cutting/pieces.hpp"
 #include "bench/cutting/ray_sets.hpp"
@@ -9,28 +8,9 @@
 namespace dfield::cutting {
 namespace {
 
-constexpr std::array<std::uint32_t, 4> kRays{6, 14, 26, 54};
-constexpr std::uint32_t kTruth = 512;
-
-double rms(std::span<const float> a, std::span<const float> b) {
-    double squares = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double miss = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-        squares += miss * miss;
-    }
-    return std::sqrt(squares / static_cast<double>(a.size()));
-}
-
-double rms(const Image& a, const Image& b) {
+double rms_of_pictures(const Image& a, const Image& b) {
     const std::vector<float> x(a.rgb.begin(), a.rgb.end()), y(b.rgb.begin(), b.rgb.end());
     return rms(x, y);
-}
-
-cli::LocalOptions options_of(const Scene& scene, std::uint32_t rays) {
-    cli::LocalOptions options;
-    options.rays = rays;
-    options.samples = scene.samples;
-    return options;
 }
 
 // The factors of the clipped scene, and the picture that they make.
@@ -70,7 +50,7 @@ Json accuracy_of(Lab& lab, const Scene& scene) {
         Json row;
         const Result paper = result_of(lab, scene, options_of(scene, rays), true);
         row["paper_set"] = rms(paper.visibility, truth.visibility);
-        row["picture"] = rms(paper.picture, truth.picture);
+        row["picture"] = rms_of_pictures(paper.picture, truth.picture);
         if (scene.name == "engine" && (rays == 6 || rays == 54))
             errors.push_back(error_picture(paper.picture, truth.picture));
         cli::LocalOptions weighted = options_of(scene, rays), fibonacci = options_of(scene, rays);
@@ -147,53 +127,6 @@ void write_accuracy(const Json& all, bench::Page& page) {
         "The engine's picture with 6 and with 54 rays against %u: white is equal, black a fifth of the range "
         "or more.",
         kTruth));
-}
-
-Json measure_jitter(Lab& lab) {
-    Json figures = Json::object();
-    for (const char* name : kSceneNames) {
-        std::optional<Scene> scene = make_scene(lab, name);
-        if (!scene) continue;
-        const std::array<std::size_t, 3> size = scene->volume.grid.size;
-        std::array<std::size_t, 3> low, crop;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            crop[axis] = std::min<std::size_t>(size[axis], lab.stock.quick() ? 20 : 96);
-            low[axis] = (size[axis] - crop[axis]) / 2;
-        }
-        scene->volume = resampled(scene->volume, low, crop, crop);
-        std::vector<float> truth, found;
-        Stage(*scene, kTruth, 0).lao(truth);
-        Json& of_scene = figures[name];
-        of_scene["size"] = size_text(crop);
-        for (const std::uint32_t rays : kRays) {
-            cli::LocalOptions options = options_of(*scene, rays);
-            Json& row = of_scene["rays"][std::to_string(rays)];
-            for (const float jitter : {0.0f, 0.5f, 1.0f}) {
-                options.jitter = jitter;
-                Stage(*scene, options, 0).lao(found);
-                row.push_back(rms(found, truth));
-            }
-        }
-    }
-    return figures;
-}
-
-void write_jitter(const Json& all, bench::Page& page) {
-    page.heading(3, "The same with jitter");
-    const Json& figures = all["jitter"];
-    if (figures.empty()) return page.paragraph("**No scan was there: this table is left out.**");
-    page.paragraph(
-        "RMS by voxels with rays turned at random, other ones at every voxel, by up to so many times half "
-        "the "
-        "angle between neighbours; the scenes' middles, unclipped.");
-    bench::Table table({"scene", "voxels", "rays", "no jitter", "0.5", "1"});
-    for (const auto& [name, scene] : figures.items())
-        for (const std::uint32_t rays : kRays) {
-            const Json& row = scene["rays"][std::to_string(rays)];
-            table.row({name, scene["size"], std::to_string(rays), text("%.5f", row[0].get<double>()),
-                       text("%.5f", row[1].get<double>()), text("%.5f", row[2].get<double>())});
-        }
-    page.table(table);
 }
 
 }  // namespace dfield::cutting

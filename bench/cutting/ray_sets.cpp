@@ -13,6 +13,22 @@ double solid_angle(double x, double y) {
 
 }  // namespace
 
+cli::LocalOptions options_of(const Scene& scene, std::uint32_t rays) {
+    cli::LocalOptions options;
+    options.rays = rays;
+    options.samples = scene.samples;
+    return options;
+}
+
+double rms(std::span<const float> a, std::span<const float> b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double miss = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+        squares += miss * miss;
+    }
+    return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
 std::vector<float> better_weights(std::uint32_t rays) {
     dfield_local_desc desc = local_defaults();
     desc.ray_count = rays;

@@ -2,15 +2,15 @@
 // for SSE4, AVX2, AVX-512 (AVX3) and NEON; the choice is the context's own (dfield_context_desc.simd), never
 // Highway's process-wide one, so two contexts in one process may run at different levels.
 //
-// A kernel's file, runtime/src/blur.cpp, declared in blur.hpp as a plain function `void blur(float* x, size_t
-// n)`:
+// A kernel's file, runtime/src/blur.cpp, declared in blur.hpp as a plain function
+// `void blur(float* x, size_t n)`:
 //
 //     #undef HWY_TARGET_INCLUDE
-//     #define HWY_TARGET_INCLUDE "blur.cpp"  // relative to an include directory of the target: runtime/src
-//     is one #include <hwy/foreach_target.h>        // compiles the file once a target #include
-//     <hwy/highway.h>               // after foreach_target.h #include "simd.hpp"                    //
-//     headers with include guards are seen by the first target alone:
-//                                            // nothing in them may depend on the target
+//     #define HWY_TARGET_INCLUDE "blur.cpp"  // relative to an include directory, such as runtime/src
+//     #include <hwy/foreach_target.h>        // compiles the file once a target
+//     #include <hwy/highway.h>               // after foreach_target.h
+//     #include "simd.hpp"                    // headers with include guards are seen by the first target
+//                                            // alone: nothing in them may depend on the target
 //     HWY_BEFORE_NAMESPACE();
 //     namespace dfield::runtime::HWY_NAMESPACE {
 //     void blur(float* x, std::size_t n) { ... }
