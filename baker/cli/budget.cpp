@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/kinds_report.hpp"
 #include "baker/cli/terminal.hpp"
 #include "baker/error.hpp"

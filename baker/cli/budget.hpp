@@ -1,12 +1,12 @@
 // `--budget`: which kind of field, of what sizes, is the most accurate within some bytes of memory.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "baker/cli/accuracy.hpp"
+#include "baker/cli/app_fwd.hpp"
 #include "baker/plan.hpp"
 
 namespace dfield::cli {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/options.hpp"

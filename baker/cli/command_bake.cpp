@@ -3,6 +3,7 @@
 #include <map>
 
 #include "baker/bake.hpp"
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/budget.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/field_store.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/screen_far.hpp"
 #include "baker/cli/screen_options.hpp"

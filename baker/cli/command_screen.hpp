@@ -1,8 +1,7 @@
 // The parts of `dfield screen`.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/cli/screen_input.hpp"
 #include "baker/cli/screen_runner.hpp"

@@ -1,6 +1,7 @@
 // `dfield screen compare`: every estimator at several numbers of samples, with and without interleaving.
 #include <array>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_screen.hpp"
 #include "baker/cli/screen_options.hpp"
 #include "baker/error.hpp"

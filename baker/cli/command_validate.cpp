@@ -1,3 +1,4 @@
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/kinds_report.hpp"
 #include "baker/cli/options.hpp"

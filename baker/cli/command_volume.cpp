@@ -1,5 +1,6 @@
 #include "baker/cli/command_volume.hpp"
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/commands.hpp"
 
 namespace dfield::cli {

@@ -1,7 +1,7 @@
 // The commands below `dfield volume`, one function each; they work as those of commands.hpp do.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "baker/cli/app_fwd.hpp"
 
 namespace dfield::cli {
 

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/form_runner.hpp"
 #include "baker/cli/options.hpp"

@@ -1,3 +1,4 @@
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/volume_input.hpp"

@@ -1,6 +1,7 @@
 // `dfield volume lao` and `dfield volume cao`.
 #include <cstring>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/volume_input.hpp"

@@ -1,5 +1,6 @@
 #include <chrono>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/volume_clip_pictures.hpp"

@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/terminal.hpp"

@@ -2,8 +2,7 @@
 // exception (dfield::Error) or sets `exit_code`.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "baker/cli/app_fwd.hpp"
 #include "baker/error.hpp"
 
 namespace dfield::cli {

@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/commands.hpp"
 #include "baker/cli/terminal.hpp"
 

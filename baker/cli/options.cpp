@@ -4,6 +4,7 @@
 #include <fstream>
 #include <limits>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/error.hpp"
 #include "baker/file_io.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/error.hpp"

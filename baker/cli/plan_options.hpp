@@ -1,12 +1,12 @@
 // Flags that say what is baked of an object: which kinds, and how fine.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/plan.hpp"
 #include "dfield/dfield.h"
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "baker/bake.hpp"
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/field_store.hpp"
 #include "baker/cli/screen_options.hpp"
 #include "baker/cli/terminal.hpp"

@@ -7,11 +7,11 @@
 // counts every occluder with a whole weight, divided between the two by its distance.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/screen_runner.hpp"
 
 namespace dfield::cli {

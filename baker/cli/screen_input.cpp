@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/runtime_scene.hpp"
 #include "baker/cli/terminal.hpp"
 #include "baker/error.hpp"

@@ -1,13 +1,13 @@
 // What `dfield screen` looks at: a scene seen by a camera, or a G-buffer that somebody else made.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/screen/lit_scene.hpp"

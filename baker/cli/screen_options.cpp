@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/options.hpp"
 
 namespace dfield::cli {

@@ -2,12 +2,12 @@
 // by.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/screen/fuzzy_measure.hpp"
 #include "dfield/dfield.hpp"
 #include "dfield/screen.h"

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/report.hpp"
 
 namespace dfield::cli {

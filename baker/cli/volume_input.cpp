@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/error.hpp"
 
 namespace dfield::cli {

@@ -1,10 +1,10 @@
 // A volume on the command line: its file, and what raw voxels do not say themselves.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/volume/read_volume.hpp"
 

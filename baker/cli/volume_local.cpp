@@ -3,6 +3,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <sstream>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/error.hpp"

@@ -1,13 +1,13 @@
 // Local ambient occlusion from the command line: its flags, and clip meshes with their poses and frames.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/runtime_volume.hpp"
 #include "baker/volume/transfer_function.hpp"
 

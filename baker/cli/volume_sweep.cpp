@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 #include <numeric>
 
+#include "baker/cli/arguments.hpp"
 #include "baker/cli/options.hpp"
 #include "baker/cli/report.hpp"
 #include "baker/error.hpp"

@@ -1,10 +1,10 @@
 // Sweeping a volume from the command line: the flags, and the runtime behind them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "baker/cli/app_fwd.hpp"
 #include "baker/cli/runtime_volume.hpp"
 
 namespace dfield::cli {
