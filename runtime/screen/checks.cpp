@@ -118,6 +118,7 @@ Frame frame_of(const dfield_screen_buffers& buffers, float radius, std::uint32_t
     frame.camera = Camera(buffers.camera, buffers.width, buffers.height);
     if (frame.camera.perspective && sight == DFIELD_SIGHT_VIEW) frame.sight = frame.camera;
     frame.radius = radius;
+    frame.per_radius = radius > 0 ? 1 / radius : 0;
     frame.decode = DepthDecoder(buffers.camera, buffers.depth_encoding);
     frame.depths = pixels(buffers.depth, 1);
     frame.normals = pixels(buffers.normals, 3);

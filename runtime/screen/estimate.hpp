@@ -6,6 +6,7 @@
 
 #include "screen/frame.hpp"
 #include "screen/measure.hpp"
+#include "screen/points.hpp"
 #include "screen/samples.hpp"
 
 namespace dfield::runtime::screen {
@@ -14,8 +15,6 @@ namespace dfield::runtime::screen {
 struct DiskSample {
     float x, y, weight;
 };
-// A point of the unit ball; IMPORTANCE and MARCH: a point of the unit disk and, for IMPORTANCE, a distance.
-using PointSample = glm::vec3;
 
 // What a dfield_screen does, checked.
 struct Settings {
@@ -26,12 +25,11 @@ struct Settings {
     bool ratio() const { return desc.weights == DFIELD_WEIGHTS_RATIO; }
     bool disk() const { return desc.estimator == DFIELD_ESTIMATOR_DISK; }
     SampleSets<DiskSample> disk_sets(std::pmr::memory_resource* memory) const;
-    SampleSets<PointSample> point_sets(std::pmr::memory_resource* memory) const;
 };
 
-// Sums over a pixel's samples. `open`: what `seen` is where nothing hides anything.
+// Sums over a pixel's samples.
 struct Estimate {
-    float seen = 0, open = 0;
+    float seen = 0, open = 0;  // O is their quotient; 1 where `open` is 0
     glm::vec3 radiance{0};
     float radiance_weight = 0;
 };
@@ -39,8 +37,8 @@ struct Estimate {
 struct EstimateJob {
     const Frame* frame = nullptr;
     const Settings* settings = nullptr;
-    const SampleSets<DiskSample>* disk = nullptr;     // DISK's
-    const SampleSets<PointSample>* points = nullptr;  // the others'
+    const SampleSets<DiskSample>* disk = nullptr;  // DISK's
+    const PointSets* points = nullptr;             // the others'
     bool indirect = false;
     // Out, planes of frame->layout.
     float* visibility = nullptr;
@@ -74,9 +72,6 @@ constexpr float kDarkness = 1e-4f;
 
 // Adds the radiance of a pixel that was looked up.
 void add_radiance(const EstimateJob& job, const Shaded& s, const Seen& seen, Estimate& sum);
-
-// O from a pixel's sums.
-float visibility_of(const Settings& settings, const Shaded& s, const Estimate& sum);
 
 // A row, as the paper has it: what the vectorised forms are held against, and what contexts capped at
 // DFIELD_SIMD_SCALAR run.

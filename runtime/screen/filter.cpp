@@ -4,16 +4,13 @@
 #include <hwy/highway.h>
 
 #include "screen/filter.hpp"
+#include "screen/vector-inl.hpp"
 #include "simd.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::screen::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET != HWY_SCALAR
-
-using F = hn::CappedTag<float, 16>;
-using V = hn::Vec<F>;
-using M = hn::Mask<F>;
 
 template<bool kLight>
 HWY_INLINE void filter_vector(const FilterJob& job, std::ptrdiff_t at, float* HWY_RESTRICT out) {

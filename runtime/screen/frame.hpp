@@ -18,8 +18,8 @@ namespace dfield::runtime::screen {
 struct Frame {
     Layout layout;
     Camera camera;
-    Camera sight;  // of the rays of sight: all 0 where they are parallel to the axis
-    float radius = 0;
+    Camera sight;                      // of the rays of sight: all 0 where they are parallel to the axis
+    float radius = 0, per_radius = 0;  // world units, and its inverse
     DepthDecoder decode;
     StridedPixels<const float> depths, normals, radiance, albedo;  // the caller's
     const float* depth = nullptr;                                  // world units, the border is sky
@@ -32,11 +32,15 @@ struct Shaded {
     float sight_x, sight_y;  // the ray of sight is (sight_x, sight_y, -1)
     float sight_2;           // its squared length
     float pixel_x, pixel_y;  // a pixel's size
+    float per_x, per_y;      // and its inverse
     glm::vec3 normal;        // towards the viewer
 };
 
 // The cosine between the normal and the ray of sight is at least this.
 constexpr float kGrazing = 1e-3f;
+
+// What R spans at most, in pixels: so much more than a picture that more makes no difference.
+constexpr float kMostPixels = 1e30f;
 
 // A unit normal that does not look away from the viewer. 0,0,0 where there is none.
 inline glm::vec3 towards_viewer(glm::vec3 normal, const glm::vec3& viewer) {
@@ -62,6 +66,8 @@ inline Shaded shaded_at(const Frame& frame, std::int32_t column, std::int32_t ro
     const float scale = (frame.camera.perspective ? s.depth : 1.0f) / frame.radius;
     s.pixel_x = frame.camera.step_x * scale;
     s.pixel_y = frame.camera.step_y * scale;
+    s.per_x = std::min(1 / s.pixel_x, kMostPixels);
+    s.per_y = std::min(1 / s.pixel_y, kMostPixels);
     const float inverse = 1 / std::sqrt(s.sight_2);
     s.normal =
         towards_viewer(normal_at(frame, column, row), {-s.sight_x * inverse, -s.sight_y * inverse, inverse});
@@ -85,25 +91,29 @@ inline glm::vec2 slopes_of(const Frame& frame, const Shaded& s) {
     return {s.normal.x * s.pixel_x * scale, -s.normal.y * s.pixel_y * scale};
 }
 
-// Where a point at (x, y, z) from s is looked up: on the plane of s, along the ray of sight.
+// Where a point around s is looked up, along the ray of sight on the plane of s: columns to the right of s
+// and rows below it; and its z. Linear in the point.
+inline glm::vec3 in_pixels(const Shaded& s, const glm::vec3& point) {
+    return {(point.x + point.z * s.sight_x) * s.per_x, (point.y + point.z * s.sight_y) * -s.per_y, point.z};
+}
+
+// What is seen there.
 struct Seen {
-    float x, y;                // on that plane
+    float x, y;                // on the plane of s
     std::int32_t column, row;  // -1 and width, or height, for what is outside
     float rise;                // the surface's z there: -infinity for sky
 };
-inline Seen look_up(const Frame& frame, const Shaded& s, float x, float y) {
+inline Seen look_up(const Frame& frame, const Shaded& s, float columns, float rows) {
     const Layout& layout = frame.layout;
-    Seen seen{x, y, 0, 0, 0};
-    // In floats, so that nothing is too far away to be clamped.
-    const float column = std::floor(x / s.pixel_x + 0.5f) + static_cast<float>(s.column);
-    const float row = std::floor(0.5f - y / s.pixel_y) + static_cast<float>(s.row);
-    seen.column = static_cast<std::int32_t>(std::clamp(column, -1.0f, static_cast<float>(layout.width)));
-    seen.row = static_cast<std::int32_t>(std::clamp(row, -1.0f, static_cast<float>(layout.height)));
-    seen.rise = (s.depth - frame.depth[layout.index(seen.column, seen.row)]) / frame.radius;
+    // In floats, so that nothing is too far away to be clamped; NaN is 0.
+    const auto pixel = [](float by, std::int32_t from, std::int32_t count) {
+        const float at = by + (static_cast<float>(from) + 1.5f);
+        return static_cast<std::int32_t>(std::min(std::max(0.0f, at), static_cast<float>(count + 1))) - 1;
+    };
+    Seen seen{columns * s.pixel_x, -rows * s.pixel_y, pixel(columns, s.column, layout.width),
+              pixel(rows, s.row, layout.height), 0};
+    seen.rise = (s.depth - frame.depth[layout.index(seen.column, seen.row)]) * frame.per_radius;
     return seen;
-}
-inline Seen look_up(const Frame& frame, const Shaded& s, const glm::vec3& point) {
-    return look_up(frame, s, point.x + point.z * s.sight_x, point.y + point.z * s.sight_y);
 }
 
 // Fills frame.depth, a plane of frame.layout, from the caller's.

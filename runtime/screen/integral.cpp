@@ -70,9 +70,10 @@ Answer disk_integral(const EstimateJob& job, const Shaded& s) {
             const double area = covered(x, y, static_cast<double>(across / pattern.radius_x),
                                         static_cast<double>(down / pattern.radius_y));
             if (area == 0) continue;
-            const Seen seen = look_up(*job.frame, s, columns * s.pixel_x, -rows * s.pixel_y);
+            const Seen seen = look_up(*job.frame, s, columns, rows);
             Pipe pipe(s, columns, rows, seen.rise);
-            if (settings.measure.kind != DFIELD_MEASURE_QUARTIC) pipe.rho2 = std::max(pipe.rho2, own_rho2(s));
+            if (settings.measure.kind != DFIELD_MEASURE_QUARTIC)
+                pipe.rho2 = std::max(pipe.rho2, own_rho2(s.pixel_x, s.pixel_y));
             const float ground = std::clamp(pipe.ground, pipe.low, pipe.high);
             sum.open +=
                 area * static_cast<double>(pipe_integral(settings.measure, pipe, pipe.low, pipe.high));
@@ -86,6 +87,11 @@ Answer disk_integral(const EstimateJob& job, const Shaded& s) {
     const double cell = static_cast<double>(across * s.pixel_x) * static_cast<double>(down * s.pixel_y) /
                         std::sqrt(static_cast<double>(s.sight_2));
     return sum.answer(sum.seen * cell / std::numbers::pi);
+}
+
+Seen look_up(const EstimateJob& job, const Shaded& s, const glm::vec3& point) {
+    const glm::vec3 at = in_pixels(s, point);
+    return screen::look_up(*job.frame, s, at.x, at.y);
 }
 
 // Directions by the height c = N.w and the angle around N, both in equal steps.
@@ -119,7 +125,7 @@ Answer volume_integral(const EstimateJob& job, const Shaded& s) {
         for (int k = 0; k < kDistances; ++k) {
             const float share = (static_cast<float>(k) + 0.5f) / kDistances;
             const glm::vec3 point = settings.measure.inverse(end * share) * direction;
-            const Seen seen = look_up(*job.frame, s, point);
+            const Seen seen = look_up(job, s, point);
             sum.open += term;
             if (point.z > seen.rise) sum.seen += term;
             if (!job.indirect) continue;
@@ -130,14 +136,14 @@ Answer volume_integral(const EstimateJob& job, const Shaded& s) {
                 add_radiance(job, s, seen, light);
                 sum.add_light(light, static_cast<double>(c));
             } else if (tangent) {
-                add_radiance(job, s, look_up(*job.frame, s, c * uniform * direction), light);
+                add_radiance(job, s, look_up(job, s, c * uniform * direction), light);
                 sum.add_light(light, static_cast<double>(c * c * c));
             } else {
-                add_radiance(job, s, look_up(*job.frame, s, uniform * direction), light);
+                add_radiance(job, s, look_up(job, s, uniform * direction), light);
                 sum.add_light(light, 1);
                 if (estimator == DFIELD_ESTIMATOR_SPHERE) {
                     Estimate behind;
-                    add_radiance(job, s, look_up(*job.frame, s, -uniform * direction), behind);
+                    add_radiance(job, s, look_up(job, s, -uniform * direction), behind);
                     sum.add_light(behind, 1);
                 }
             }
@@ -157,7 +163,7 @@ Answer march_integral(const EstimateJob& job, const Shaded& s) {
         Estimate light;
         for (float m = 1; m <= steps; ++m) {
             const glm::vec3 point = m / steps * direction;
-            const Seen seen = look_up(*job.frame, s, point);
+            const Seen seen = look_up(job, s, point);
             if (point.z > seen.rise) continue;
             value = job.settings->measure.value((m - 0.5f) / steps);
             if (job.indirect) add_radiance(job, s, seen, light);

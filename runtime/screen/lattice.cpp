@@ -5,20 +5,13 @@
 #include <hwy/highway.h>
 
 #include "screen/lattice.hpp"
+#include "screen/vector-inl.hpp"
 #include "simd.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace dfield::runtime::screen::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET != HWY_SCALAR
-
-using F = hn::CappedTag<float, Lattice::kBorder>;
-using V = hn::Vec<F>;
-using M = hn::Mask<F>;
-
-struct V3 {
-    V x, y, z;
-};
 
 // Pixels side by side, as many as one vector of every picture has.
 struct Piece {
@@ -61,18 +54,12 @@ HWY_INLINE V3 course(const Frame& frame, const float* at, std::ptrdiff_t next, V
             hn::IfThenElse(forwards, up.z, down.z)};
 }
 
-HWY_INLINE V columns_at(const Camera& camera, std::int32_t column) {
-    const F f;
-    const V columns = hn::Add(hn::Set(f, static_cast<float>(column)), hn::Iota(f, 0.0f));
-    return hn::Add(hn::Set(f, camera.left), hn::Mul(columns, hn::Set(f, camera.step_x)));
-}
-
 HWY_NOINLINE V3 derived_normals(const Frame& frame, std::int32_t column, std::int32_t row) {
     const F f;
     const Camera& camera = frame.camera;
     const float* const at = frame.depth + frame.layout.index(column, row);
-    const V x = columns_at(camera, column), left = columns_at(camera, column - 1),
-            right = columns_at(camera, column + 1);
+    const V x = places(camera, column, 1), left = places(camera, column - 1, 1),
+            right = places(camera, column + 1, 1);
     const V y = hn::Set(f, camera.at_y(row)), above = hn::Set(f, camera.at_y(row - 1)),
             below = hn::Set(f, camera.at_y(row + 1));
     const V3 a = course(frame, at, frame.layout.stride, x, y, x, below, x, above);
@@ -103,7 +90,7 @@ HWY_INLINE V3 given_normals(const Frame& frame, const float* HWY_RESTRICT loaded
 HWY_INLINE V3 turned(const Frame& frame, const V3& n, std::int32_t column, std::int32_t row) {
     const F f;
     const V one = hn::Set(f, 1.0f);
-    const V x = columns_at(frame.sight, column), y = hn::Set(f, frame.sight.at_y(row));
+    const V x = places(frame.sight, column, 1), y = hn::Set(f, frame.sight.at_y(row));
     const V sight_2 = hn::Add(hn::Mul(x, x), hn::Add(hn::Mul(y, y), one));
     const V inverse = hn::Div(one, hn::Sqrt(sight_2));
     const V3 viewer{hn::Mul(hn::Neg(x), inverse), hn::Mul(hn::Neg(y), inverse), inverse};

@@ -6,8 +6,6 @@ namespace {
 // Integral of sigma exp(-sigma r) / r^3 (a + b t) dt with t = rho tan(theta), which leaves the smooth
 // sigma exp(-sigma rho / cos) (a cos + b rho sin) / rho^2 dtheta, by Gauss and Legendre's eight points.
 float exponential_integral(float sigma, const Pipe& pipe, float low, float high) {
-    constexpr float kNodes[4] = {0.1834346425f, 0.5255324099f, 0.7966664774f, 0.9602898565f};
-    constexpr float kWeights[4] = {0.3626837834f, 0.3137066459f, 0.2223810345f, 0.1012285363f};
     const float rho = std::sqrt(pipe.rho2);
     const float from = std::atan(low / rho), to = std::atan(high / rho);
     const float middle = (from + to) / 2, half = (to - from) / 2;
@@ -17,7 +15,7 @@ float exponential_integral(float sigma, const Pipe& pipe, float low, float high)
     };
     float sum = 0;
     for (int i = 0; i < 4; ++i)
-        sum += kWeights[i] * (at(middle - kNodes[i] * half) + at(middle + kNodes[i] * half));
+        sum += kGaussWeights[i] * (at(middle - kGaussNodes[i] * half) + at(middle + kGaussNodes[i] * half));
     return -sigma / std::expm1(-sigma) * sum * half / pipe.rho2;
 }
 

@@ -43,8 +43,12 @@ float pipe_integral(const Measure& measure, const Pipe& pipe, float low, float h
 
 // The squared distance that stands for those within s's own pixel, whose disk of the same area has the radius
 // p: p / 2 has the mean of 1 / rho over it.
-inline float own_rho2(const Shaded& s) {
-    return s.pixel_x * s.pixel_y / (4 * 3.14159265f);
+inline float own_rho2(float pixel_x, float pixel_y) {
+    return pixel_x * pixel_y / (4 * 3.14159265f);
 }
+
+// Gauss and Legendre's eight points between -1 and 1: these and their opposites.
+constexpr float kGaussNodes[4] = {0.1834346425f, 0.5255324099f, 0.7966664774f, 0.9602898565f};
+constexpr float kGaussWeights[4] = {0.3626837834f, 0.3137066459f, 0.2223810345f, 0.1012285363f};
 
 }  // namespace dfield::runtime::screen

@@ -19,116 +19,89 @@ struct Tangents {
     }
 };
 
-// The point of the hemisphere above a point of the unit disk.
-glm::vec3 cosine_direction(const Shaded& s, const Tangents& tangents, const PointSample& at) {
-    const float height = std::sqrt(std::max(0.0f, 1 - (at.x * at.x + at.y * at.y)));
-    return at.x * tangents.t + at.y * tangents.b + height * s.normal;
-}
-
 float dot(const glm::vec3& a, const glm::vec3& b) {
     return a.x * b.x + (a.y * b.y + a.z * b.z);
 }
 
 class Reference {
   public:
-    Reference(const EstimateJob& job, const Shaded& s) : job_(job), s_(s), tangents_(s.normal) {}
-
-    // v of a point. Its pixel's radiance is added on the way.
-    bool open(const glm::vec3& point, bool lights = true) {
-        const Seen seen = look_up(*job_.frame, s_, point);
-        if (job_.indirect && lights) add_radiance(job_, s_, seen, sum_);
-        return point.z > seen.rise;
-    }
-    void add(float term, bool open) {
-        sum_.open += term;
-        if (open) sum_.seen += term;
+    Reference(const EstimateJob& job, const Shaded& s)
+        : job_(job), s_(s), estimator_(job.settings->desc.estimator) {
+        const Tangents tangents(s.normal);
+        t_ = in_pixels(s, tangents.t);
+        b_ = in_pixels(s, tangents.b);
+        n_ = in_pixels(s, s.normal);
     }
 
-    // 4.1 and 4.2: mu'(r) / r^2 (N.w)+ v. A point behind the tangent plane is mirrored into the visible half.
-    void sphere(glm::vec3 point, bool half) {
-        float cosine = dot(s_.normal, point);
-        if (half && cosine < 0) {
-            point = -point;
-            cosine = -cosine;
+    Estimate estimate() {
+        if (estimator_ == DFIELD_ESTIMATOR_DISK) {
+            const DiskSample* const samples =
+                job_.disk->at(static_cast<std::uint32_t>(s_.column), static_cast<std::uint32_t>(s_.row));
+            for (std::uint32_t k = 0; k < job_.disk->count; ++k) disk(samples[k]);
+            if (!job_.settings->ratio()) sum_.open = static_cast<float>(job_.disk->count) / area();
+            return sum_;
         }
-        const float r = glm::length(point);
-        add(job_.settings->measure.derivative(r) / (r * r) * std::max(0.0f, cosine / r), open(point));
+        const PointSets& points = *job_.points;
+        const std::uint32_t x = static_cast<std::uint32_t>(s_.column) % points.side();
+        for (std::uint32_t k = 0; k < points.count(); ++k) {
+            const auto value = [&](std::uint32_t i) { return points.at(s_.row, k, i)[x]; };
+            // Of a point around the normal: its place around s, in pixels.
+            const glm::vec3 at = value(0) * t_ + value(1) * b_ + value(2) * n_;
+            if (estimator_ == DFIELD_ESTIMATOR_MARCH)
+                march(at);
+            else
+                point(at, value(3));
+        }
+        sum_.open = points.divisors(s_.row)[x];
+        return sum_;
     }
-    // 4.3: v.
-    void importance(const PointSample& at) {
-        add(1, open(job_.settings->measure.inverse(at.z) * cosine_direction(s_, tangents_, at)));
+
+  private:
+    // 4.1 to 4.4: v times the integrand over the density. The pixel's radiance is added on the way.
+    void point(const glm::vec3& at, float weight) {
+        const Seen seen = look_up(*job_.frame, s_, at.x, at.y);
+        if (job_.indirect) add_radiance(job_, s_, seen, sum_);
+        if (at.z > seen.rise) sum_.seen += weight;
     }
-    // 4.4: mu'(r) / r^2 v in the sphere of radius 1/2 around N/2.
-    void tangent(const PointSample& at) {
-        const glm::vec3 point = 0.5f * (s_.normal + at);
-        const float r = std::max(glm::length(point), 1e-6f);
-        add(job_.settings->measure.derivative(r) / (r * r), open(point));
+    // 3.2: steps along a ray until one is hidden; the occluder then lies half a step before it.
+    void march(const glm::vec3& end) {
+        for (const PointSets::Step& step : job_.points->steps()) {
+            const glm::vec3 at = step.share * end;
+            const Seen seen = look_up(*job_.frame, s_, at.x, at.y);
+            if (at.z > seen.rise) continue;
+            if (job_.indirect) add_radiance(job_, s_, seen, sum_);
+            sum_.seen += step.value;
+            return;
+        }
+        sum_.seen += 1;
     }
     // 4.5: h over the seen part of a pipe.
     void disk(const DiskSample& at) {
         const Pattern pattern(s_);
         const float columns = pattern.columns(at), rows = pattern.rows(at);
-        const Seen seen = look_up(*job_.frame, s_, columns * s_.pixel_x, -rows * s_.pixel_y);
+        const Seen seen = look_up(*job_.frame, s_, columns, rows);
         if (job_.indirect) add_radiance(job_, s_, seen, sum_);
         Pipe pipe(s_, columns, rows, seen.rise);
         const Measure& measure = job_.settings->measure;
-        if (measure.kind != DFIELD_MEASURE_QUARTIC) pipe.rho2 = std::max(pipe.rho2, own_rho2(s_));
+        if (measure.kind != DFIELD_MEASURE_QUARTIC)
+            pipe.rho2 = std::max(pipe.rho2, own_rho2(s_.pixel_x, s_.pixel_y));
         const float ground = std::clamp(pipe.ground, pipe.low, pipe.high);
-        sum_.open += at.weight * pipe_integral(measure, pipe, pipe.low, pipe.high);
+        if (job_.settings->ratio())
+            sum_.open += at.weight * pipe_integral(measure, pipe, pipe.low, pipe.high);
         sum_.seen += at.weight * pipe_integral(measure, pipe, ground, pipe.high);
     }
-    // 3.2: steps along a ray until one is hidden; the occluder then lies half a step before it.
-    void march(const PointSample& at) {
-        const glm::vec3 direction = cosine_direction(s_, tangents_, at);
-        const auto steps = static_cast<float>(job_.settings->desc.march_steps);
-        sum_.open += 1;
-        for (float m = 1; m <= steps; ++m) {
-            const glm::vec3 point = m / steps * direction;
-            if (open(point, false)) continue;
-            if (job_.indirect) add_radiance(job_, s_, look_up(*job_.frame, s_, point), sum_);
-            sum_.seen += job_.settings->measure.value((m - 0.5f) / steps);
-            return;
-        }
-        sum_.seen += 1;
+    // Of the pattern, across the ray of sight, over pi.
+    float area() const {
+        const Pattern pattern(s_);
+        return pattern.radius_x * s_.pixel_x * (pattern.radius_y * s_.pixel_y) / std::sqrt(s_.sight_2);
     }
 
-    const Estimate& sum() const { return sum_; }
-
-  private:
     const EstimateJob& job_;
     const Shaded& s_;
-    const Tangents tangents_;
+    const std::uint32_t estimator_;
+    glm::vec3 t_, b_, n_;  // the axes around the normal
     Estimate sum_;
 };
-
-Estimate estimate(const EstimateJob& job, const Shaded& s) {
-    Reference reference(job, s);
-    const auto each = [&](const auto& sets, const auto& take) {
-        const auto* const samples =
-            sets.at(static_cast<std::uint32_t>(s.column), static_cast<std::uint32_t>(s.row));
-        for (std::uint32_t k = 0; k < sets.count; ++k) take(samples[k]);
-    };
-    switch (job.settings->desc.estimator) {
-        case DFIELD_ESTIMATOR_SPHERE:
-            each(*job.points, [&](const PointSample& at) { reference.sphere(at, false); });
-            break;
-        case DFIELD_ESTIMATOR_HEMISPHERE:
-            each(*job.points, [&](const PointSample& at) { reference.sphere(at, true); });
-            break;
-        case DFIELD_ESTIMATOR_IMPORTANCE:
-            each(*job.points, [&](const PointSample& at) { reference.importance(at); });
-            break;
-        case DFIELD_ESTIMATOR_TANGENT:
-            each(*job.points, [&](const PointSample& at) { reference.tangent(at); });
-            break;
-        case DFIELD_ESTIMATOR_DISK:
-            each(*job.disk, [&](const DiskSample& at) { reference.disk(at); });
-            break;
-        default:
-            each(*job.points, [&](const PointSample& at) { reference.march(at); });
-    }
-    return reference.sum();
-}
 
 }  // namespace
 
@@ -150,31 +123,6 @@ void add_radiance(const EstimateJob& job, const Shaded& s, const Seen& seen, Est
     sum.radiance_weight += weight;
 }
 
-float visibility_of(const Settings& settings, const Shaded& s, const Estimate& sum) {
-    const dfield_screen_desc& desc = settings.desc;
-    const auto n = static_cast<float>(desc.samples);
-    switch (desc.estimator) {
-        case DFIELD_ESTIMATOR_IMPORTANCE:
-        case DFIELD_ESTIMATOR_MARCH:
-            return sum.seen / n;
-        default:
-            if (settings.ratio()) return sum.open > 0 ? sum.seen / sum.open : 1;
-    }
-    switch (desc.estimator) {
-        case DFIELD_ESTIMATOR_SPHERE:
-            return 4 * sum.seen / (3 * n);
-        case DFIELD_ESTIMATOR_HEMISPHERE:
-            return 2 * sum.seen / (3 * n);
-        case DFIELD_ESTIMATOR_TANGENT:
-            return sum.seen / (6 * n) / (desc.tangent_as_printed ? 1 : settings.measure.tangent_total());
-        default: {  // DISK: the pattern's area, across the ray of sight
-            const Pattern pattern(s);
-            return pattern.radius_x * s.pixel_x * (pattern.radius_y * s.pixel_y) / std::sqrt(s.sight_2) *
-                   sum.seen / n;
-        }
-    }
-}
-
 void estimate_reference(const EstimateJob& job, std::int32_t row) {
     const Frame& frame = *job.frame;
     const Layout& layout = frame.layout;
@@ -188,8 +136,8 @@ void estimate_reference(const EstimateJob& job, std::int32_t row) {
             const Shaded s = shaded_at(frame, column, row);
             slopes = slopes_of(frame, s);
             if (!empty(s)) {
-                const Estimate sum = estimate(job, s);
-                visibility = visibility_of(*job.settings, s, sum);
+                const Estimate sum = Reference(job, s).estimate();
+                if (sum.open > 0) visibility = sum.seen / sum.open;
                 light = {sum.radiance.x, sum.radiance.y, sum.radiance.z,
                          sum.radiance_weight + kDarkness * static_cast<float>(job.settings->desc.samples)};
             }

@@ -18,7 +18,7 @@ struct dfield_screen final : dfield::runtime::Shared<dfield_screen> {
 
     const dfield::runtime::screen::Settings settings_;
     const dfield::runtime::screen::SampleSets<dfield::runtime::screen::DiskSample> disk_;
-    const dfield::runtime::screen::SampleSets<dfield::runtime::screen::PointSample> points_;
+    const dfield::runtime::screen::PointSets points_;
     dfield::runtime::screen::Buffer<float> memory_;
     std::size_t size_ = 0;
 };

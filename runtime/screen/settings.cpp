@@ -31,16 +31,4 @@ SampleSets<DiskSample> Settings::disk_sets(std::pmr::memory_resource* memory) co
             }};
 }
 
-SampleSets<PointSample> Settings::point_sets(std::pmr::memory_resource* memory) const {
-    return {memory, desc.interleave, disk() ? 0 : desc.samples, [this](std::uint32_t index) {
-                const auto point = sobol_point(index, desc.seed);
-                const bool ball = desc.estimator == DFIELD_ESTIMATOR_SPHERE ||
-                                  desc.estimator == DFIELD_ESTIMATOR_HEMISPHERE ||
-                                  desc.estimator == DFIELD_ESTIMATOR_TANGENT;
-                if (ball) return uniform_ball(point);
-                const glm::vec2 disk = concentric_disk(point[0], point[1]);
-                return PointSample(disk.x, disk.y, point[2]);
-            }};
-}
-
 }  // namespace dfield::runtime::screen

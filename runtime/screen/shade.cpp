@@ -88,10 +88,7 @@ struct Finish {
 }  // namespace
 
 dfield_screen::dfield_screen(dfield_context* context, const Settings& settings)
-    : Shared(context),
-      settings_(settings),
-      disk_(settings.disk_sets(context)),
-      points_(settings.point_sets(context)) {}
+    : Shared(context), settings_(settings), disk_(settings.disk_sets(context)), points_(context, settings) {}
 
 float* dfield_screen::memory_of(std::size_t count) {
     if (size_ < count) {
@@ -117,15 +114,15 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     const std::int64_t targets = context()->simd_targets;
     const bool filter = desc.filter != 0 && desc.interleave > 1;
     const bool indirect = buffers.radiance.data && (outputs.indirect || outputs.reflected);
-    const bool quartic_disk =
-        settings_.disk() && settings_.measure.kind == DFIELD_MEASURE_QUARTIC && desc.radius > 0;
-    DiskFunction* const disk = quartic_disk ? disk_function(targets) : nullptr;
+    const bool vectors = desc.radius > 0;
+    DiskFunction* const disk =
+        vectors && settings_.disk() ? disk_function(targets, settings_.measure.kind) : nullptr;
+    PointsFunction* const points = vectors && !settings_.disk() ? points_function(targets) : nullptr;
 
     const Layout layout(buffers.width, buffers.height);
-    Lattice lattice(layout, desc.interleave);
-    const std::size_t planes = 2 + (indirect ? 4 : 0) + (filter ? 2 : 0), parts = !disk      ? 0
-                                                                                  : indirect ? 10
-                                                                                             : 4;
+    Lattice lattice(layout, disk ? desc.interleave : 1);
+    const std::size_t planes = 2 + (indirect ? 4 : 0) + (filter ? 2 : 0);
+    const std::size_t parts = !disk && !points ? 0 : indirect ? 7 : 4;
     float* next = memory_of(planes * layout.size() + parts * lattice.size());
     const auto take = [&](std::size_t count, std::size_t size) {
         return std::exchange(next, next + count * size);
@@ -146,14 +143,15 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     job.visibility = take(1, layout.size());
     if (indirect) job.light = take(4, layout.size());
     if (filter) job.slopes = take(2, layout.size());
-    if (disk) {
+    if (parts > 0) {
         lattice.depth = take(1, lattice.size());
         lattice.normals = take(3, lattice.size());
         if (indirect) lattice.radiance = take(3, lattice.size());
         surround(frame, lattice);
         TakeApartFunction* const take_apart = take_apart_function(targets);
         for_rows([&](std::int32_t begin, std::int32_t end) { take_apart(frame, lattice, begin, end); });
-        for_rows([&](std::int32_t begin, std::int32_t end) { disk(job, lattice, begin, end); });
+        for_rows(
+            [&](std::int32_t begin, std::int32_t end) { (disk ? disk : points)(job, lattice, begin, end); });
     } else {
         for_rows([&](std::int32_t begin, std::int32_t end) {
             for (std::int32_t row = begin; row < end; ++row) estimate_reference(job, row);
