@@ -47,6 +47,41 @@ struct Lanes : Pixels {
     }
 };
 
+struct Light {
+    V red, green, blue, weight;
+    HWY_INLINE Light() : red(set(0)), green(red), blue(red), weight(red) {}
+};
+
+// add_radiance() of the surfaces from a place of the lattice on, at `point` from s, with its squared length
+// and how far it is in front of the tangent plane.
+HWY_INLINE void add_light(const Lattice& lattice, std::ptrdiff_t there, const V3& point, V r2, V ahead,
+                          Light& sums) {
+    const F f;
+    const V one = set(1), fade = set(16), zero = set(0);
+    ahead = hn::Mul(fade, ahead);
+    const M counts = hn::And(hn::Lt(r2, one), hn::Gt(ahead, zero));
+    if (hn::AllFalse(f, counts)) return;
+    const auto plane = static_cast<std::ptrdiff_t>(lattice.size());
+    const float* HWY_RESTRICT normal = lattice.normals + there;
+    const float* HWY_RESTRICT radiance = lattice.radiance + there;
+    const V towards = hn::MulAdd(hn::LoadU(f, normal), point.x,
+                                 hn::MulAdd(hn::LoadU(f, normal + plane), point.y,
+                                            hn::Mul(hn::LoadU(f, normal + 2 * plane), point.z)));
+    const V turned = hn::Mul(hn::Neg(fade), towards);
+    // Beyond a picture's end radiance is whatever memory holds.
+    const M lights = hn::And(counts, hn::Gt(turned, zero));
+    const V near = hn::NegMulAdd(r2, r2, one);
+    const V weight =
+        hn::IfThenElseZero(lights, hn::Mul(near, hn::Mul(hn::Min(ahead, one), hn::Min(turned, one))));
+    const auto add = [&](V& sum, const float* from) HWY_ATTR {
+        sum = hn::MulAdd(weight, hn::IfThenElseZero(lights, hn::LoadU(f, from)), sum);
+    };
+    add(sums.red, radiance);
+    add(sums.green, radiance + plane);
+    add(sums.blue, radiance + 2 * plane);
+    sums.weight = hn::Add(sums.weight, weight);
+}
+
 struct Sums {
     V seen, open;
     Light light;
@@ -75,8 +110,7 @@ HWY_INLINE void add_sample(const Lattice& lattice, const Lanes& p, const Measure
         const V at_x = hn::Mul(x, p.pixel_x), at_y = hn::Mul(y, p.pixel_x), z = hn::Mul(rise, p.per_sight_2);
         const V r2 = hn::MulAdd(hn::MulAdd(set(-2), g, rise), z, hn::MulAdd(at_x, at_x, hn::Mul(at_y, at_y)));
         const V3 point{hn::NegMulAdd(z, p.r_x, at_x), hn::NegMulAdd(z, p.r_y, at_y), z};
-        const auto fetch = [&](const float* plane) HWY_ATTR { return hn::LoadU(f, plane + there); };
-        add_light(lattice, point, r2, hn::MulAdd(rise, p.slope, e), fetch, sums.light);
+        add_light(lattice, there, point, r2, hn::MulAdd(rise, p.slope, e), sums.light);
     }
 }
 

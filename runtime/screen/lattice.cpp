@@ -130,6 +130,20 @@ HWY_INLINE void deal(const Lattice& lattice, const float* HWY_RESTRICT from, flo
         for (std::int32_t i = 0; i < lanes; ++i) to[x * lattice.picture + i] = from[i * lattice.side + x];
 }
 
+// Vectors of normals and radiance to a lattice of side 1.
+HWY_INLINE void put_quads(const Lattice& lattice, const Piece& piece, std::int32_t column, std::int32_t row) {
+    const F f;
+    constexpr std::size_t kLanes = hn::MaxLanes(F());
+    HWY_ALIGN float quads[2][4 * kLanes];
+    const auto value = [&](int plane) HWY_ATTR { return hn::Load(f, piece.values[plane]); };
+    hn::StoreInterleaved4(value(0), value(1), value(2), hn::Zero(f), f, quads[0]);
+    hn::StoreInterleaved4(value(3), value(4), value(5), hn::Set(f, 1.0f), f, quads[1]);
+    float* const to = lattice.quads + 8 * lattice.index(0, 0, column, row);
+    for (std::size_t i = 0; i < kLanes; ++i)
+        for (std::size_t half = 0; half < 2; ++half)
+            std::copy_n(quads[half] + 4 * i, 4, to + 8 * i + 4 * half);
+}
+
 void take_apart_row(const Frame& frame, const Lattice& lattice, std::int32_t row, Piece& piece) {
     const F f;
     const Layout& layout = frame.layout;
@@ -159,7 +173,7 @@ void take_apart_row(const Frame& frame, const Lattice& lattice, std::int32_t row
         }
         for (std::int32_t i = 0; i < 3; ++i)
             deal(lattice, piece.values[i], lattice.normals + i * plane, column, row);
-        if (!lattice.radiance) continue;
+        if (!lattice.radiance && !lattice.quads) continue;
         const float* const radiance = source(frame.radiance);
         const V zero = hn::Zero(f);
         for (std::int32_t at = 0; at < wanted; at += lanes) {
@@ -167,6 +181,10 @@ void take_apart_row(const Frame& frame, const Lattice& lattice, std::int32_t row
             hn::LoadInterleaved3(f, radiance + 3 * at, light.x, light.y, light.z);
             const auto some = [&](V v) HWY_ATTR { return hn::IfThenElseZero(hn::Gt(v, zero), v); };
             put(3, at, {some(light.x), some(light.y), some(light.z)});
+        }
+        if (lattice.quads) {
+            put_quads(lattice, piece, column, row);
+            continue;
         }
         for (std::int32_t i = 0; i < 3; ++i)
             deal(lattice, piece.values[3 + i], lattice.radiance + i * plane, column, row);

@@ -33,9 +33,12 @@ struct Lattice {
     std::int32_t width = 0, height = 0;  // of one picture
     std::ptrdiff_t stride = 0, picture = 0;
 
-    float* depth = nullptr;     // a plane
-    float* normals = nullptr;   // three, unit length and towards the viewer
-    float* radiance = nullptr;  // three, NaN and less than 0 are 0; only for indirect light
+    float* depth = nullptr;    // a plane
+    float* normals = nullptr;  // three, unit length and towards the viewer
+    // Only for indirect light, NaN and less than 0 are 0: three planes, or for lookups here and there two of
+    // four floats a pixel, normals and radiance, whose fourth is 1.
+    float* radiance = nullptr;
+    float* quads = nullptr;
 };
 
 // Writes the sky above and below the pictures.

@@ -32,10 +32,12 @@ class PointSets {
 
     std::uint32_t side() const { return side_; }
     std::uint32_t count() const { return count_; }
-    // Of sample k of the pixels of a row of the picture from column 0 on: x, y, z, weight.
-    const float* at(std::int32_t row, std::uint32_t k, std::uint32_t value) const {
-        return values_.data() + ((static_cast<std::uint32_t>(row) % side_ * count_ + k) * 4 + value) * width_;
+    // For pixels of a row of the picture from column 0 on: x, y, z and weight of every sample, each `width`
+    // floats.
+    const float* values(std::int32_t row) const {
+        return values_.data() + static_cast<std::uint32_t>(row) % side_ * count_ * 4 * width_;
     }
+    std::size_t width() const { return width_; }
     // What the sum of the weights of what is seen is divided by. 0: all is open.
     const float* divisors(std::int32_t row) const {
         return divisors_.data() + static_cast<std::uint32_t>(row) % side_ * width_;

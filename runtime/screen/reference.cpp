@@ -43,8 +43,9 @@ class Reference {
         }
         const PointSets& points = *job_.points;
         const std::uint32_t x = static_cast<std::uint32_t>(s_.column) % points.side();
-        for (std::uint32_t k = 0; k < points.count(); ++k) {
-            const auto value = [&](std::uint32_t i) { return points.at(s_.row, k, i)[x]; };
+        const float* values = points.values(s_.row) + x;
+        for (std::uint32_t k = 0; k < points.count(); ++k, values += 4 * points.width()) {
+            const auto value = [&](std::size_t i) { return values[i * points.width()]; };
             // Of a point around the normal: its place around s, in pixels.
             const glm::vec3 at = value(0) * t_ + value(1) * b_ + value(2) * n_;
             if (estimator_ == DFIELD_ESTIMATOR_MARCH)

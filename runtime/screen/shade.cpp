@@ -122,7 +122,7 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     const Layout layout(buffers.width, buffers.height);
     Lattice lattice(layout, disk ? desc.interleave : 1);
     const std::size_t planes = 2 + (indirect ? 4 : 0) + (filter ? 2 : 0);
-    const std::size_t parts = !disk && !points ? 0 : indirect ? 7 : 4;
+    const std::size_t parts = !disk && !points ? 0 : !indirect ? 4 : disk ? 7 : 12;
     float* next = memory_of(planes * layout.size() + parts * lattice.size());
     const auto take = [&](std::size_t count, std::size_t size) {
         return std::exchange(next, next + count * size);
@@ -146,7 +146,8 @@ void dfield_screen::shade(const dfield_screen_buffers& buffers, const dfield_scr
     if (parts > 0) {
         lattice.depth = take(1, lattice.size());
         lattice.normals = take(3, lattice.size());
-        if (indirect) lattice.radiance = take(3, lattice.size());
+        if (indirect && disk) lattice.radiance = take(3, lattice.size());
+        if (indirect && points) lattice.quads = take(8, lattice.size());
         surround(frame, lattice);
         TakeApartFunction* const take_apart = take_apart_function(targets);
         for_rows([&](std::int32_t begin, std::int32_t end) { take_apart(frame, lattice, begin, end); });

@@ -85,41 +85,6 @@ struct Pixels {
     }
 };
 
-struct Light {
-    V red, green, blue, weight;
-    HWY_INLINE Light() : red(set(0)), green(red), blue(red), weight(red) {}
-};
-
-// add_radiance() of surfaces at `point` from s, with its squared length and how far it is in front of the
-// tangent plane. `fetch`: the surfaces' values out of one of the lattice's planes.
-template<class Fetch>
-HWY_INLINE void add_light(const Lattice& lattice, const V3& point, V r2, V ahead, const Fetch& fetch,
-                          Light& sums) {
-    const F f;
-    const V one = set(1), fade = set(16), zero = set(0);
-    ahead = hn::Mul(fade, ahead);
-    const M counts = hn::And(hn::Lt(r2, one), hn::Gt(ahead, zero));
-    if (hn::AllFalse(f, counts)) return;
-    const auto plane = static_cast<std::ptrdiff_t>(lattice.size());
-    const V towards = hn::MulAdd(fetch(lattice.normals), point.x,
-                                 hn::MulAdd(fetch(lattice.normals + plane), point.y,
-                                            hn::Mul(fetch(lattice.normals + 2 * plane), point.z)));
-    const V turned = hn::Mul(hn::Neg(fade), towards);
-    // Beyond a picture's end radiance is whatever memory holds.
-    const M lights = hn::And(counts, hn::Gt(turned, zero));
-    if (hn::AllFalse(f, lights)) return;
-    const V near = hn::NegMulAdd(r2, r2, one);
-    const V weight =
-        hn::IfThenElseZero(lights, hn::Mul(near, hn::Mul(hn::Min(ahead, one), hn::Min(turned, one))));
-    const auto add = [&](V& sum, std::ptrdiff_t from) HWY_ATTR {
-        sum = hn::MulAdd(weight, hn::IfThenElseZero(lights, fetch(lattice.radiance + from)), sum);
-    };
-    add(sums.red, 0);
-    add(sums.green, plane);
-    add(sums.blue, 2 * plane);
-    sums.weight = hn::Add(sums.weight, weight);
-}
-
 #endif
 }  // namespace dfield::runtime::screen::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #if defined(DFIELD_RAYS_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
