@@ -26,6 +26,9 @@ constexpr Asked kAsked[] = {
      {false, 6, 3, "%.1f"}},
     {"/speed/asked_ms", "800 × 600, 16 samples, with indirect light, one core", {false, 60, 10, "%.1f ms"}},
     {"/speed/simd_over_scalar", "the same: SIMD over scalar", {true, 6, 12, "%.1f ×"}},
+    {"/speed/least_over_scalar",
+     "SIMD over scalar, the least of all estimators and measures, with and without indirect light",
+     {true, 6, 12, "%.1f ×"}},
 };
 
 void write_asked(const Json& figures, bench::Page& page) {

@@ -7,6 +7,8 @@
 //     (o - s).N        e + z' b, b = N.(-r) / |r|^2
 //     tangent plane    -e / b
 // h is a measure's affair: see disk.cpp and disk_measures.cpp.
+#include <hwy/cache_control.h>
+
 #include "screen/disk.hpp"
 #include "screen/disk_patterns.hpp"
 #include "screen/vector-inl.hpp"
@@ -52,21 +54,21 @@ struct Light {
     HWY_INLINE Light() : red(set(0)), green(red), blue(red), weight(red) {}
 };
 
-// add_radiance() of the surfaces from a place of the lattice on, at `point` from s, with its squared length
-// and how far it is in front of the tangent plane.
-HWY_INLINE void add_light(const Lattice& lattice, std::ptrdiff_t there, const V3& point, V r2, V ahead,
-                          Light& sums) {
+// add_radiance() of the surfaces from a place of the lattice on, of lanes `counts`: those between the tangent
+// plane and the sphere's end.
+HWY_INLINE void add_light(const Lattice& lattice, const Lanes& p, std::ptrdiff_t there, M counts, V x, V y,
+                          V g, V e, V rise, Light& sums) {
     const F f;
-    const V one = set(1), fade = set(16), zero = set(0);
-    ahead = hn::Mul(fade, ahead);
-    const M counts = hn::And(hn::Lt(r2, one), hn::Gt(ahead, zero));
-    if (hn::AllFalse(f, counts)) return;
+    const V one = set(1), fade = set(16), zero = set(0), z = hn::Mul(rise, p.per_sight_2);
+    const V at_x = hn::Mul(x, p.pixel_x), at_y = hn::Mul(y, p.pixel_x);
+    const V r2 = hn::MulAdd(hn::MulAdd(set(-2), g, rise), z, hn::MulAdd(at_x, at_x, hn::Mul(at_y, at_y)));
+    const V ahead = hn::Mul(fade, hn::MulAdd(rise, p.slope, e));
     const auto plane = static_cast<std::ptrdiff_t>(lattice.size());
     const float* HWY_RESTRICT normal = lattice.normals + there;
     const float* HWY_RESTRICT radiance = lattice.radiance + there;
-    const V towards = hn::MulAdd(hn::LoadU(f, normal), point.x,
-                                 hn::MulAdd(hn::LoadU(f, normal + plane), point.y,
-                                            hn::Mul(hn::LoadU(f, normal + 2 * plane), point.z)));
+    const V towards = hn::MulAdd(hn::LoadU(f, normal), hn::NegMulAdd(z, p.r_x, at_x),
+                                 hn::MulAdd(hn::LoadU(f, normal + plane), hn::NegMulAdd(z, p.r_y, at_y),
+                                            hn::Mul(hn::LoadU(f, normal + 2 * plane), z)));
     const V turned = hn::Mul(hn::Neg(fade), towards);
     // Beyond a picture's end radiance is whatever memory holds.
     const M lights = hn::And(counts, hn::Gt(turned, zero));
@@ -99,6 +101,8 @@ HWY_INLINE void add_sample(const Lattice& lattice, const Lanes& p, const Measure
     const V root = hn::Sqrt(hn::Max(inside, set(0)));
     const V high = hn::Add(g, root);
     const V low = hn::Min(hn::Max(hn::Sub(g, root), hn::Mul(e, p.tangent)), high);
+    // Of the next pixels: more streams than processors follow by themselves.
+    hwy::Prefetch(lattice.depth + there + 2 * hn::Lanes(f) - 1);
     const V rise = hn::Mul(hn::Sub(p.depth, hn::LoadU(f, lattice.depth + there)), p.per_depth);
     const V ground = hn::Min(hn::Max(low, rise), high);
     const V weight = set(o.weight);
@@ -106,11 +110,9 @@ HWY_INLINE void add_sample(const Lattice& lattice, const Lanes& p, const Measure
     measure.integrals(p, o, g, e, low, ground, high, open, seen);
     sums.open = hn::MulAdd(weight, open, sums.open);
     sums.seen = hn::MulAdd(weight, seen, sums.seen);
-    if constexpr (kLight) {  // add_radiance() of reference.cpp
-        const V at_x = hn::Mul(x, p.pixel_x), at_y = hn::Mul(y, p.pixel_x), z = hn::Mul(rise, p.per_sight_2);
-        const V r2 = hn::MulAdd(hn::MulAdd(set(-2), g, rise), z, hn::MulAdd(at_x, at_x, hn::Mul(at_y, at_y)));
-        const V3 point{hn::NegMulAdd(z, p.r_x, at_x), hn::NegMulAdd(z, p.r_y, at_y), z};
-        add_light(lattice, there, point, r2, hn::MulAdd(rise, p.slope, e), sums.light);
+    if constexpr (kLight) {
+        const M counts = hn::And(hn::Gt(rise, low), hn::Lt(rise, high));
+        if (!hn::AllFalse(f, counts)) add_light(lattice, p, there, counts, x, y, g, e, rise, sums.light);
     }
 }
 

@@ -66,21 +66,42 @@ TEST_CASE("A neighbourhood of the whole scene, or far more", "[screen][edges]") 
         }
 }
 
-TEST_CASE("Patterns far wider than the picture, and pixels that are far from square", "[screen][edges]") {
+TEST_CASE("Neighbourhoods far wider than the picture, and pixels that are far from square",
+          "[screen][edges]") {
     for (const double half_height : {0.375, 1e-6, 1e6})
-        for (const std::uint32_t interleave : {1u, 4u}) {
-            Picture picture = take(room(), 300, 200, kLens);
-            picture.camera.half_height = static_cast<float>(half_height);
-            dfield_screen_desc desc = desc_of(DFIELD_ESTIMATOR_DISK, 1e6f);
-            desc.interleave = interleave;
-            desc.samples = 4;
-            const Shot best = shade(picture, desc, Context()),
-                       scalar = shade(picture, desc, context_of(DFIELD_SIMD_SCALAR));
-            float most = 0;
-            for (std::size_t i = 0; i < picture.size(); ++i)
-                most = std::max(most, std::abs(best.visibility[i] - scalar.visibility[i]));
-            CHECK(most < 1e-4f);
-        }
+        for (const std::uint32_t interleave : {1u, 4u})
+            for (std::uint32_t estimator = 0; estimator <= kLast; ++estimator) {
+                Picture picture = take(room(), 300, 200, kLens);
+                picture.camera.half_height = static_cast<float>(half_height);
+                dfield_screen_desc desc = desc_of(estimator, 1e6f);
+                desc.interleave = interleave;
+                desc.samples = 4;
+                const Shot best = shade(picture, desc, Context()),
+                           scalar = shade(picture, desc, context_of(DFIELD_SIMD_SCALAR));
+                float most = 0;
+                for (std::size_t i = 0; i < picture.size(); ++i)
+                    most = std::max(most, std::abs(best.visibility[i] - scalar.visibility[i]));
+                CHECK(most < 1e-4f);
+            }
+}
+
+TEST_CASE("Cameras at the ends of floats do no harm", "[screen][edges]") {
+    constexpr float kTiny = std::numeric_limits<float>::denorm_min(),
+                    kHuge = std::numeric_limits<float>::max();
+    for (const dfield_simd level : kBoth)
+        for (std::uint32_t estimator = 0; estimator <= kLast; ++estimator)
+            for (const float extent : {kTiny, kHuge})
+                for (const float depth : {kTiny, kHuge})
+                    for (const float radius : {1e-18f, 1e18f}) {
+                        Picture picture = take(room(), 20, 10, kLens);
+                        picture.camera.half_width = extent;
+                        for (std::size_t i = 0; i < picture.size(); i += 3) picture.depth[i] = depth;
+                        dfield_screen_desc desc = desc_of(estimator, radius);
+                        desc.samples = 4;
+                        for (const float visibility :
+                             shade(picture, desc, context_of(level), true).visibility)
+                            CHECK((visibility >= 0 && visibility <= 1));
+                    }
 }
 
 TEST_CASE("Beyond the picture all is open", "[screen][edges]") {
