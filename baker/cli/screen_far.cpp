@@ -60,7 +60,7 @@ void add_file(Casters& casters, const FarOptions& options, const Context& contex
 void add_meshes(Casters& casters, const FarOptions& options, const ImportedScene& scene,
                 const Context& context, const CommonOptions& common) {
     std::map<std::uint32_t, Field> fields;
-    const FieldPlan plan{.maps = FieldParameters{}};
+    const FieldPlan plan{.maps = options.parameters};
     for (const SceneInstance& instance : scene.instances) {
         const SceneMesh& mesh = scene.meshes[instance.mesh];
         if (!casts(mesh.mesh, instance.transform)) {

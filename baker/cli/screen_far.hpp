@@ -13,6 +13,7 @@
 
 #include "baker/cli/app_fwd.hpp"
 #include "baker/cli/screen_runner.hpp"
+#include "format/field.hpp"
 
 namespace dfield::cli {
 
@@ -20,6 +21,7 @@ namespace dfield::cli {
 struct FarOptions {
     std::string field;  // empty: none; auto: of each mesh where its nodes stand; a .dfield of the whole scene
     std::uint32_t rays = 256;
+    FieldParameters parameters;  // auto: of the fields that are baked
     bool others = false;  // an object's own field is not asked from its surface
     std::filesystem::path cache;
     bool no_cache = false;

@@ -30,6 +30,7 @@ Json measure_far(const Lab& lab) {
     cli::FarOptions options;
     options.field = "auto";
     options.rays = lab.quick ? 36 : 100;
+    if (lab.quick) options.parameters.subdivision = options.parameters.map_size = 8;
     options.no_cache = true;
     for (std::size_t i = 0; i < kCases.size(); ++i) {
         const Case& made = kCases[i];

@@ -2,50 +2,22 @@
 // whole or with its voxels compressed, so that mutations reach the header behind the compression. A file is
 // refused, or is a volume that holds what it says.
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
-#include <system_error>
 
 #include "baker/error.hpp"
 #include "baker/volume/read_volume.hpp"
 #include "baker/volume/write_nrrd.hpp"
-#include "tests/fuzz/input.hpp"
+#include "tests/fuzz/folder.hpp"
 #include "tests/volume_files/gzip.hpp"
 
 namespace {
 
 using namespace dfield;
 
+using fuzz::folder;
 using fuzz::require;
-
-// A folder of this process, in memory where there is such a place.
-const std::filesystem::path& folder() {
-    static const struct Folder {
-        std::filesystem::path path;
-        Folder() {
-            std::error_code error;
-            const std::filesystem::path memory = "/dev/shm";
-            std::string name =
-                ((std::filesystem::is_directory(memory, error) ? memory
-                                                               : std::filesystem::temp_directory_path()) /
-                 "dfield-fuzz-XXXXXX")
-                    .string();
-            require(mkdtemp(name.data()) != nullptr);
-            path = name;
-        }
-        ~Folder() {
-            std::error_code ignored;
-            std::filesystem::remove_all(path, ignored);
-        }
-    } folder;
-    return folder.path;
-}
-
-void write(const std::filesystem::path& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
+using fuzz::write;
 
 void check(const Volume& volume) {
     const VolumeGrid& grid = volume.grid;
@@ -87,13 +59,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         case 4:  // a detached header before its voxels
             name = "a.nhdr";
             if (const std::size_t blank = rest.find("\n\n"); blank != std::string::npos) {
-                write(folder() / "voxels.raw", rest.substr(blank + 2));
+                write("voxels.raw", rest.substr(blank + 2));
                 bytes.resize(blank + 1);
             }
             break;
     }
-    const std::filesystem::path path = folder() / name;
-    write(path, bytes);
+    const std::filesystem::path path = write(name, bytes);
     try {
         check(read_volume(path, {.max_bytes = 1 << 20}));
     } catch (const InputError& error) {
