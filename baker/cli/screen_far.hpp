@@ -22,7 +22,7 @@ struct FarOptions {
     std::string field;  // empty: none; auto: of each mesh where its nodes stand; a .dfield of the whole scene
     std::uint32_t rays = 256;
     FieldParameters parameters;  // auto: of the fields that are baked
-    bool others = false;  // an object's own field is not asked from its surface
+    bool others = false;         // an object's own field is not asked from its surface
     std::filesystem::path cache;
     bool no_cache = false;
 };

@@ -32,9 +32,11 @@ std::vector<Case> cases() {
             c.picture = variant % 3 == 0 ? height_field(width, height, variant % 2 ? lines : lens, seed)
                                          : take(room(), width, height, variant % 2 ? lines : lens);
             // Every other one the disk, each with all measures in turn.
-            c.desc =
-                desc_of(variant % 2 ? DFIELD_ESTIMATOR_DISK : std::array{0u, 1u, 2u, 3u, 5u}[random.below(5)],
-                        static_cast<float>(random.uniform(0.05, 1.5)));
+            constexpr dfield_screen_estimator kPoints[] = {
+                DFIELD_ESTIMATOR_SPHERE, DFIELD_ESTIMATOR_HEMISPHERE, DFIELD_ESTIMATOR_IMPORTANCE,
+                DFIELD_ESTIMATOR_TANGENT, DFIELD_ESTIMATOR_MARCH};
+            c.desc = desc_of(variant % 2 ? DFIELD_ESTIMATOR_DISK : kPoints[random.below(5)],
+                             static_cast<float>(random.uniform(0.05, 1.5)));
             c.desc.measure = static_cast<std::uint32_t>(seed / 2 % 4);
             c.desc.sigma = static_cast<float>(std::pow(10, random.uniform(-2, 2)));
             c.desc.march_steps = 1 + random.below(12);
