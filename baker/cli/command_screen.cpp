@@ -65,7 +65,10 @@ void run(ScreenCommand& command) {
     ScreenSubject subject = load_screen_subject(command.input, command.common);
     if (command.indirect && subject.buffer.radiance.empty())
         throw InputError(command.input.file + ": has no radiance, which indirect light is made of");
-    if (!command.gbuffer.empty()) write_gbuffer(command.gbuffer, subject.buffer);
+    if (!command.reference_picture.empty() && !subject.lit)
+        throw Error(ExitCode::kUsage, "--reference-picture needs a scene; give --scene");
+    GBuffer seen;
+    if (!command.gbuffer.empty()) seen = subject.buffer;
     if (command.derive_normals) subject.buffer.normals.clear();
 
     const ScreenRunner runner(subject, command.common.threads, command.reference);
@@ -115,15 +118,18 @@ void run(ScreenCommand& command) {
         say(command.common.json, text("with %s: %.1f ms more", command.far.field.c_str(), far->ms));
         shading.visibility = combined(shading.visibility, far->beyond);
     }
+    ScreenShading rays;
+    if (!command.reference_picture.empty())
+        rays.visibility = runner.picture_by_rays(desc, command.reference.rays, far_wanted);
+
+    // Nothing before everything is there: Ctrl-C leaves no files.
+    if (!command.gbuffer.empty()) write_gbuffer(command.gbuffer, seen);
     if (!command.output.empty())
         write_png(command.output,
                   screen_picture(command.show, runner.buffer(), shading,
                                  {vector_of(command.options.ambient), vector_of(command.input.background)}));
-    if (!command.reference_picture.empty()) {
-        if (!subject.lit) throw Error(ExitCode::kUsage, "--reference-picture needs a scene; give --scene");
-        const ScreenShading rays{runner.picture_by_rays(desc, command.reference.rays, far_wanted), {}, {}, 0};
+    if (!command.reference_picture.empty())
         write_png(command.reference_picture, screen_picture("visibility", runner.buffer(), rays, {}));
-    }
     json["image"] = command.output;
     if (!command.gbuffer.empty()) json["gbuffer"] = command.gbuffer;
     write_json_report(command.common.json, json);

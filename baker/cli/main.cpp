@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "dfield: internal error: %s\n", error.what());
         return static_cast<int>(ExitCode::kInternal);
     }
-    if (std::fflush(stdout) != 0) {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {  // now, or long ago
         std::fputs("dfield: standard output could not be written\n", stderr);
         return static_cast<int>(ExitCode::kOutput);
     }

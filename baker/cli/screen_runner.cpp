@@ -36,6 +36,10 @@ dfield_screen_target target_of(std::vector<glm::vec3>& values) {
     return {values.empty() ? nullptr : &values.front().x, 0, 0};
 }
 
+void check_interrupted() {
+    if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+}
+
 double rms(double sum, std::size_t count) {
     return count > 0 ? 255 * std::sqrt(sum / static_cast<double>(count)) : 0;
 }
@@ -96,7 +100,7 @@ ScreenShading ScreenRunner::shade(const dfield_screen_desc& desc, bool indirect,
         timed.visibility = all.visibility;
     result.ms = std::numeric_limits<double>::infinity();
     for (int i = 0; i < repetitions; ++i) {
-        if (interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+        check_interrupted();
         const auto start = std::chrono::steady_clock::now();
         check_screen(dfield_screen_shade(screen.get(), &buffers, &timed));
         const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
@@ -112,9 +116,13 @@ std::vector<float> ScreenRunner::integral(const dfield_screen_desc& desc,
     const dfield_screen_buffers buffers = view();
     std::vector<float> values(pixels_.size());
     if (indirect) indirect->resize(pixels_.size());
-    if (values.empty()) return values;
-    check_screen(dfield_screen_integral(screen.get(), &buffers, pixels_.data(), pixels_.size(), values.data(),
-                                        indirect ? &indirect->front().x : nullptr));
+    constexpr std::size_t kPixels = 1024;  // thousands of lookups each: a fraction of a second
+    for (std::size_t first = 0; first < pixels_.size(); first += kPixels) {
+        check_interrupted();
+        check_screen(dfield_screen_integral(screen.get(), &buffers, pixels_.data() + first,
+                                            std::min(kPixels, pixels_.size() - first), values.data() + first,
+                                            indirect ? &(*indirect)[first].x : nullptr));
+    }
     return values;
 }
 

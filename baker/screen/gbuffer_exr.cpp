@@ -148,10 +148,38 @@ class ExrReader {
     std::uint32_t width_ = 0, height_ = 0;
 };
 
+// OpenEXR takes the memory that an attribute claims before it looks whether the file has as much.
+void check_attributes(const std::string& where, const std::vector<std::byte>& bytes) {
+    std::size_t at = 8;  // after the magic number and the version, whose bit 12 says: several headers
+    const bool parts = bytes.size() > at && (bytes[5] & std::byte{0x10}) != std::byte{0};
+    const auto skip_name = [&] {
+        while (at < bytes.size() && bytes[at] != std::byte{0}) ++at;
+        ++at;
+    };
+    const auto in_header = [&] { return at < bytes.size() && bytes[at] != std::byte{0}; };
+    do {
+        while (in_header()) {
+            skip_name();
+            skip_name();  // the type's
+            std::uint32_t size = 0;
+            if (at + sizeof size > bytes.size()) return;  // OpenEXR says so
+            for (std::size_t i = 0; i < sizeof size; ++i)
+                size |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
+            at += sizeof size;
+            if (size > bytes.size() - at)
+                throw InputError(where + ": an attribute claims " + std::to_string(size) +
+                                 " bytes, more than are left; it is cut off or broken");
+            at += size;
+        }
+        ++at;
+    } while (parts && in_header());
+}
+
 }  // namespace
 
 GBuffer read_exr_gbuffer(const std::filesystem::path& path, const ScreenCamera* lens) {
     const std::vector<std::byte> bytes = read_file(path);
+    check_attributes(path.string(), bytes);
     try {
         Imf::Header::setMaxImageSize(static_cast<int>(kMaxScreenSide), static_cast<int>(kMaxScreenSide));
         Imf::Header::setMaxTileSize(static_cast<int>(kMaxScreenSide), static_cast<int>(kMaxScreenSide));

@@ -215,6 +215,63 @@ TEST_CASE("screen: mistakes") {
         check_mistake(shell, arguments, exit_code, said);
 }
 
+TEST_CASE("screen: broken G-buffers, full disks") {
+    const Shell shell;
+    REQUIRE(shell.run(screen("cube.obj", {"--gbuffer", "g.exr"}, "9x7")).exit_code == 0);
+    REQUIRE(shell.run(screen("cube.obj", {"--gbuffer", "g.json"}, "9x7")).exit_code == 0);
+    const auto text_of = [&](const char* file) {
+        const std::vector<std::byte> bytes = dfield::read_file(shell.folder() / file);
+        return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    };
+    const std::string exr = text_of("g.exr"), json = text_of("g.json"), png = text_of("g-depth.png");
+    shell.write("cut.exr", exr.substr(0, exr.size() / 2));
+    shell.write("cut.json", json.substr(0, json.size() / 2));
+    for (const char* file : {"cut.exr", "cut.json"})
+        check_mistake(shell, {"screen", file, "-o", "a.png"}, 3, file);
+    for (const std::string& broken : {std::string(), png.substr(0, png.size() / 2)}) {
+        shell.write("g-depth.png", broken);
+        check_mistake(shell, {"screen", "g.json", "-o", "a.png"}, 3, "g-depth.png");
+    }
+    // Depth that is NaN is sky: all of it is.
+    GBuffer buffer = dfield::read_gbuffer(shell.folder() / "g.exr");
+    buffer.depth.assign(buffer.pixels(), NAN);
+    buffer.normals.assign(buffer.pixels(), glm::vec3(NAN));
+    buffer.radiance.assign(buffer.pixels(), glm::vec3(NAN));
+    dfield::write_gbuffer(shell.folder() / "nan.exr", buffer);
+    const Json nothing = report(shell, screen("nan.exr", {"--indirect", "-o", "n.png", "--json", "-"}));
+    CHECK(nothing["surface_pixels"] == 0);
+    CHECK(nothing["rms_grey_screen"] == 0);
+
+    if (!std::filesystem::exists("/dev/full")) return;
+    CHECK(shell.run(screen("g.exr", {"--json", "/dev/full"})).exit_code == 4);
+    CHECK(shell.run(screen("g.exr", {"--json", "-"}), "/dev/full").exit_code == 4);
+    // Longer than a buffer: it fails long before the end.
+    CHECK(shell
+              .run({"screen", "compare", "cube.obj", "--size", "8x6", "--repetitions", "1",
+                    "--reference-pixels", "4", "--reference-rays", "4", "--json", "-"},
+                   "/dev/full")
+              .exit_code == 4);
+}
+
+TEST_CASE("screen: Ctrl-C is exit code 130 and leaves nothing behind") {
+    const Shell shell;
+    const auto before = shell.list();
+    for (const Arguments& arguments :
+         {Arguments{"screen", "cube.obj", "--size", "640x480", "--reference-pixels", "307200",
+                    "--reference-rays", "65536", "--gbuffer", "g.exr", "-o", "a.png"},
+          Arguments{"screen", "cube.obj", "--size", "640x480", "--repetitions", "1000", "--samples", "256",
+                    "--json", "a.json"},
+          Arguments{"screen", "compare", "cube.obj", "--size", "640x480", "--reference-rays", "65536",
+                    "--json", "a.json"}}) {
+        const Run run = shell.interrupt(arguments);
+        INFO(run.err);
+        CHECK(run.exit_code == 130);
+        CHECK(run.out.empty());
+        CHECK(contains(run.err, "interrupted"));
+        CHECK(shell.list() == before);
+    }
+}
+
 TEST_CASE("screen: radius 0, sky alone, derived normals, threads") {
     const Shell shell;
     const Json none = report(shell, screen("cube.obj", {"--radius", "0", "-o", "a.png", "--json", "-"}));

@@ -71,6 +71,14 @@ TEST_CASE("a few bytes cannot ask for gigabytes") {
     folder.write("large.exr", exr);
     CHECK_THAT(error_of(folder.path() / "large.exr"), Contains("large.exr"));
 
+    // An attribute of two gigabytes.
+    exr = text_of(folder.path() / "a.exr");
+    const std::string attribute("dfield\0string\0", 14);
+    REQUIRE(exr.find(attribute) != std::string::npos);
+    exr.replace(exr.find(attribute) + attribute.size(), 4, bytes_of<std::uint32_t>({0x7f000000}));
+    folder.write("attribute.exr", exr);
+    CHECK_THAT(error_of(folder.path() / "attribute.exr"), Contains("cut off or broken"));
+
     write_gbuffer(folder.path() / "a.json", small_buffer());
     std::string png = text_of(folder.path() / "a-depth.png");
     png.replace(16, 8, bytes_of<std::uint32_t>({16000, 16000}, true));
