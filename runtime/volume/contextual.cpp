@@ -75,25 +75,24 @@ dfield_contextual::dfield_contextual(dfield_context* context, const dfield_conte
       rough_rays_(rays_of(context, grid_, rough(local_))),
       coverage_(context, desc.clip_samples),
       opacity_(opacity_of(context, &desc.opacity, local_, grid_, samples_.type)),
-      whole_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       volume_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
       plan_(context, rays_, volume_),
       rough_plan_(context, rough_rays_, volume_),
       exchange_(dilated_mode_ ? nullptr : exchange_function(*context, rays_)),
-      changed_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
-      turned_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
-      differs_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
-      rays_reach_(context, changed_, offsets_of(context, rays_)),
-      neighbours_reach_(context, turned_, kNeighbours),
+      flags_(context, grid_, lowest(rays_, rough_rays_), highest(rays_, rough_rays_)),
+      rays_reach_(context, flags_, offsets_of(context, rays_)),
+      neighbours_reach_(context, flags_, kNeighbours),
       left_(context, grid_.size(), coverage_.all()),
-      unclipped_(context, grid_.size()),
       visibility_(context, grid_.size(), 1.0f),
       tiles_{(grid_.nx + kTileX - 1) / kTileX, (grid_.ny + kTileY - 1) / kTileY,
              (grid_.nz + kTileZ - 1) / kTileZ},
+      unclipped_(context, tiles_[0] * tiles_[1] * tiles_[2]),
       pending_unclipped_(tiles_[0] * tiles_[1] * tiles_[2], 0u, context),
       pending_(pending_unclipped_.size(), 0u, context),
       pending_rough_(pending_unclipped_.size(), 0u, context),
-      dilated_(pending_unclipped_.size(), 0u, context),
+      apart_(pending_unclipped_.size(), 0u, context),
+      affected_(pending_unclipped_.size(), 0u, context),
+      saved_(pending_unclipped_.size(), 0u, context),
       order_(context),
       clips_(context),
       applied_(context),
@@ -185,8 +184,8 @@ void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::
             Tile t = tile(index);
             t.blocks = ~0u;
             for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-                if (rays_reach_.meets(changed_.window(x, y, z)) ||
-                    neighbours_reach_.meets(turned_.window(x, y, z)))
+                const std::uint8_t* const window = flags_.window(x, y, z);
+                if (rays_reach_.meets(window, kChanged) || neighbours_reach_.meets(window, kTurned))
                     pending[index] |= 1u << bit;
             });
         }
@@ -237,12 +236,41 @@ void dfield_contextual::mark_dilated(dfield_update_result& result) {
                         }
                 here += voxels;
             });
-            pending_[index] |= now | dilated_[index];
-            dilated_[index] = now;
+            pending_[index] |= now | apart_[index];
+            apart_[index] = now;
         }
         masked.fetch_add(here, std::memory_order_relaxed);
     });
     result.masked = masked.load(std::memory_order_relaxed);
+}
+
+// Of pending blocks: which are affected by clips; and room for what these are unclipped.
+void dfield_contextual::make_room() {
+    context()->for_ranges(pending_.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t index = begin; index < end; ++index) {
+            if (pending_[index] == 0) continue;
+            Tile t = tile(index);
+            t.blocks = pending_[index];
+            std::uint32_t apart = 0, gone = 0;
+            for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
+                const std::uint8_t* const bricks = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+                for (std::size_t i = 0; i < kBlockX / kBrickX; ++i)  // beyond the grid there are no flags
+                    if (bricks[i] & kGone) gone |= 1u << bit;
+                if (!dilated_mode_ && rays_reach_.meets(flags_.window(x, y, z), kDiffers)) apart |= 1u << bit;
+            });
+            if (!dilated_mode_) apart_[index] = (apart_[index] & ~t.blocks) | apart;
+            affected_[index] = (affected_[index] & ~t.blocks) | ((apart_[index] | gone) & t.blocks);
+        }
+    });
+    drop_unclipped();
+    for (std::size_t index = 0; index < pending_.size(); ++index) unclipped_.add(index, affected_[index]);
+}
+
+// Unclipped factors that visibility_ has.
+void dfield_contextual::drop_unclipped() {
+    for (std::size_t index = 0; index < pending_.size(); ++index)
+        unclipped_.keep(index, affected_[index] | saved_[index]);
+    unclipped_.trim();
 }
 
 // The pending blocks of a tile: along all rays where the clipped volume matters to them, otherwise as they
@@ -253,25 +281,33 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
     rays.blocks = 0;
     const std::size_t index =
         wanted.x / kTileX + tiles_[0] * (wanted.y / kTileY + tiles_[1] * (wanted.z / kTileZ));
+    std::array<const float*, 32> unclipped{};
     for_blocks(grid_, wanted, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-        const bool apart =
-            dilated_mode_ ? dilated_[index] >> bit & 1 : rays_reach_.meets(differs_.window(x, y, z));
+        const std::uint32_t block = 1u << bit;
         const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
                           nz = std::min(kBlockZ, grid_.nz - z);
-        if (apart && !block_is_gone(grid_, left_.get(), x, y, z)) {
-            rays.blocks |= 1u << bit;
-            voxels += nx * ny * nz;
-            return;
+        float* const saved = unclipped_.at(index, bit);
+        const auto for_rows = [&](const auto& use) {
+            for (std::size_t k = 0; k < nz; ++k)
+                for (std::size_t j = 0; j < ny; ++j)
+                    use(saved + (k * kBlockY + j) * kBlockX,
+                        visibility_ + static_cast<std::ptrdiff_t>(grid_.index(x, y + j, z + k)));
+        };
+        if ((affected_[index] & block) && !(saved_[index] & block)) {
+            for_rows([&](float* kept, const float* row) { std::copy_n(row, nx, kept); });
+            saved_[index] |= block;
         }
-        for (std::size_t k = z; k < z + nz; ++k)
-            for (std::size_t j = y; j < y + ny; ++j) {
-                const auto at = static_cast<std::ptrdiff_t>(grid_.index(x, j, k));
-                std::copy_n(unclipped_ + at, nx, visibility_ + at);
-            }
+        unclipped[bit] = saved;
+        if ((apart_[index] & block) && !block_is_gone(grid_, left_.get(), x, y, z)) {
+            rays.blocks |= block;
+            voxels += nx * ny * nz;
+        } else if (saved_[index] & block) {
+            for_rows([&](const float* kept, float* row) { std::copy_n(kept, nx, row); });
+            saved_[index] &= ~block | affected_[index];
+        }
     });
     if (rays.blocks != 0 && exchange_ && &plan == &plan_)
-        rays.blocks =
-            exchange_({&whole_, &volume_, &differs_, &plan, unclipped_.get(), visibility_.get()}, rays);
+        rays.blocks = exchange_({&volume_, &box_, &flags_, &plan, unclipped.data(), visibility_.get()}, rays);
     if (rays.blocks != 0) local({&volume_, &plan, visibility_.get()}, rays);
     for_blocks(grid_, wanted, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
         open_gone_voxels(grid_, left_.get(), x, y, z, visibility_.get());
@@ -314,14 +350,14 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
                 [&](std::uint32_t i) {
                     Tile t = tile(i);
                     t.blocks = std::exchange(pending_rough_[i], 0u);
-                    local_rough({&whole_, &rough_plan_, visibility_.get()}, t);
+                    local_rough({&volume_, &rough_plan_, visibility_.get()}, t);
                 });
         done = done && for_tiles(
                            deadline, [&](std::uint32_t i) { return pending_unclipped_[i] != 0; },
                            [&](std::uint32_t i) {
                                Tile t = tile(i);
                                t.blocks = std::exchange(pending_unclipped_[i], 0u);
-                               local({&whole_, &plan_, unclipped_.get()}, t);
+                               local({&volume_, &plan_, visibility_.get()}, t);
                            });
         if (!done) return end(false);
     }
@@ -334,6 +370,11 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
             result.changed = region.changed;
             if (!region.voxels.empty()) mark_affected(region.voxels, pending_);
             if (dilated_mode_) mark_dilated(result);
+            make_room();
+            if (exchange_) {
+                box_.cover(context(), volume_, flags_, kDiffers, samples_, opacity_, box_filled_);
+                box_filled_ = true;
+            }
         } catch (...) {  // without memory: what is affected is not known, so the next update computes all
             clipped_ = false;
             std::fill(pending_.begin(), pending_.end(), ~0u);
@@ -341,8 +382,7 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
             throw;
         }
         std::copy(pending_.begin(), pending_.end(), pending_rough_.begin());
-        changed_.clear();
-        turned_.clear();
+        flags_.clear(kChanged | kTurned);
     }
     result.clip_seconds = deadline.seconds() - before_clips;
 
@@ -363,6 +403,7 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
     for (std::uint32_t i = 0; i < pending_.size(); ++i) touch(i, pending_[i]);
     if (deadline.is_set()) compute_all(pending_rough_, local_rough, rough_plan_, false);
     const bool done = compute_all(pending_, local, plan_, true);
+    drop_unclipped();
     result.recomputed = voxels.load(std::memory_order_relaxed);
     end(done);
 }

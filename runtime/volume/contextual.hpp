@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "context.hpp"
+#include "volume/block_store.hpp"
 #include "volume/buffer.hpp"
 #include "volume/clip_coverage.hpp"
 #include "volume/clip_dilation.hpp"
@@ -98,6 +99,8 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
                       bool retest, std::uint64_t& changed);
     void mark_affected(const Box& changed, std::pmr::vector<std::uint32_t>& pending) const;
     void mark_dilated(dfield_update_result& result);
+    void make_room();
+    void drop_unclipped();
     void compute(const Tile& tile, dfield::runtime::volume::LocalFunction* local,
                  const dfield::runtime::volume::LocalPlan& plan, std::uint64_t& voxels);
     void refresh_windows(const Box& voxels) const;
@@ -110,20 +113,25 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
     const dfield::runtime::volume::Coverage coverage_;
     dfield::runtime::volume::OpacityFunction opacity_;
     std::optional<dfield::runtime::volume::OpacityFunction> next_opacity_;
-    // Opacities, unclipped; and clipped as `left_` says if clipped_ is set, otherwise unclipped too.
-    dfield::runtime::volume::OpacityVolume whole_, volume_;
-    bool clipped_ = false, filled_ = false;
+    // Opacities, clipped as `left_` says if clipped_ is set, otherwise unclipped; and unclipped where some
+    // are clipped, through opacity_ if box_filled_ is set.
+    dfield::runtime::volume::OpacityVolume volume_;
+    dfield::runtime::volume::OpacityBox box_;
+    bool clipped_ = false, filled_ = false, box_filled_ = false;
     const dfield::runtime::volume::LocalPlan plan_, rough_plan_;
     dfield::runtime::volume::ExchangeFunction* const exchange_;  // null where blocks are computed afresh
-    // Bricks: opacity changed since the marks were made; became clipped or stopped being so; is not what it
-    // would be unclipped.
-    dfield::runtime::volume::BrickFlags changed_, turned_, differs_;
+    dfield::runtime::volume::BrickFlags flags_;                  // kDiffers, kChanged, kTurned, kGone
     const dfield::runtime::volume::Stencil rays_reach_, neighbours_reach_;
     dfield::runtime::volume::Buffer<std::uint8_t> left_;
-    dfield::runtime::volume::Buffer<float> unclipped_, visibility_;
+    dfield::runtime::volume::Buffer<float> visibility_;
     std::size_t tiles_[3];
-    // Blocks of tiles to be computed: unclipped, clipped, roughly; and those of the dilation masks.
-    std::pmr::vector<std::uint32_t> pending_unclipped_, pending_, pending_rough_, dilated_;
+    // Unclipped factors of the blocks that clips have an effect on; all others have them in visibility_.
+    dfield::runtime::volume::BlockStore unclipped_;
+    // Blocks of tiles to be computed: unclipped, clipped, roughly.
+    std::pmr::vector<std::uint32_t> pending_unclipped_, pending_, pending_rough_;
+    // Blocks of tiles whose rays may meet what clips have changed; those with voxels that are gone, too; and
+    // those whose factors unclipped_ has.
+    std::pmr::vector<std::uint32_t> apart_, affected_, saved_;
     std::pmr::vector<std::uint32_t> order_;  // scratch: tiles that something is to be done in
     std::pmr::vector<Clip> clips_;
     std::pmr::vector<PlacedClip> applied_;

@@ -16,32 +16,37 @@ void dfield_contextual::change_opacity() {
     const OpacityFunction& next = next_opacity_ ? *next_opacity_ : opacity_;
     std::atomic<bool> finite{true};
     // Rows of bricks, so that no two threads share a flag.
-    context()->for_ranges(changed_.nz(), [&](std::size_t begin, std::size_t end) {
+    context()->for_ranges(flags_.nz(), [&](std::size_t begin, std::size_t end) {
+        constexpr std::size_t kPiece = 32 * kBrickX;
+        float before[kPiece];
         for (std::size_t z = begin * kBrickZ; z < std::min(end * kBrickZ, grid_.nz); ++z)
             for (std::size_t y = 0; y < grid_.ny; ++y) {
-                float *const before = whole_.row(y, z), *const now = volume_.row(y, z);
-                if (!next.row(samples_.row(y, z), 0, grid_.nx, now))
-                    finite.store(false, std::memory_order_relaxed);
-                std::uint8_t* const flags = changed_.brick(0, y / kBrickY, z / kBrickZ);
-                for (std::size_t x = 0; !first && x < grid_.nx; ++x)
-                    if (before[x] != now[x]) flags[x / kBrickX] = 1;
-                std::copy_n(now, grid_.nx, before);
+                const std::byte* const samples = samples_.row(y, z);
+                float* const now = volume_.row(y, z);
+                if (!next.row(samples, 0, grid_.nx, now)) finite.store(false, std::memory_order_relaxed);
+                std::uint8_t* const flags = flags_.brick(0, y / kBrickY, z / kBrickZ);
+                for (std::size_t x = 0; !first && x < grid_.nx; x += kPiece) {
+                    const std::size_t count = std::min(kPiece, grid_.nx - x);
+                    (void)opacity_.row(samples, x, x + count, before);  // finite, as it was the last time
+                    for (std::size_t i = 0; i < count; ++i)
+                        if (before[i] != now[x + i]) flags[(x + i) / kBrickX] |= kChanged;
+                }
             }
     });
-    clipped_ = filled_ = false;
+    clipped_ = filled_ = box_filled_ = false;
     require_finite(finite.load(std::memory_order_relaxed));
     const Box all{{0, 0, 0}, {grid_.nx, grid_.ny, grid_.nz}};
-    for (OpacityVolume* volume : {&whole_, &volume_})
-        volume->update_occupied(context(), all.low.data(), all.high.data());
+    volume_.update_occupied(context(), all.low.data(), all.high.data());
     if (first) {
         std::fill(pending_unclipped_.begin(), pending_unclipped_.end(), ~0u);
         std::fill(pending_.begin(), pending_.end(), ~0u);
     } else {
-        changed_.update_windows();
+        flags_.update_windows();
         mark_affected(all, pending_unclipped_);
         for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] |= pending_unclipped_[i];
-        changed_.clear();
+        flags_.clear(kChanged);
     }
+    for (std::size_t i = 0; i < pending_.size(); ++i) saved_[i] &= ~pending_unclipped_[i];
     if (next_opacity_) {
         opacity_ = std::move(*next_opacity_);
         next_opacity_.reset();
@@ -73,28 +78,28 @@ bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::siz
     });
     // The opacities are those of what was left before, or of nothing clipped.
     if (same && (clipped_ || full)) return false;
-    std::uint8_t* const changed_flags = changed_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    std::uint8_t* const turned_flags = turned_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    std::uint8_t* const differs_flags = differs_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    std::uint8_t* const flags = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
     constexpr std::size_t kBricks = kBlockX / kBrickX;
-    std::uint8_t differs[kBricks] = {}, occupied[kBricks] = {};
+    std::uint8_t states[kBricks] = {}, occupied[kBricks] = {};
     for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
         float* const opacity = volume_.row(row_y, row_z) + x;
-        std::copy_n(whole_.row(row_y, row_z) + x, nx, opacity);
+        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx, opacity);  // finite, as all of the volume
         for (std::size_t i = 0; i < nx; ++i) {
-            const std::size_t brick = i / kBrickX;
+            std::uint8_t& state = states[i / kBrickX];
             const bool matter = opacity[i] != 0, other = now[i] != before[i], turned = !now[i] != !before[i];
-            if (other && matter) changed_flags[brick] = 1;
-            if (turned) turned_flags[brick] = 1;
+            if (other && matter) state |= kChanged;
+            if (turned) state |= kTurned;
             if (turned || (other && matter)) ++changed;
-            if (matter && now[i] != coverage_.all()) differs[brick] = 1;
+            if (matter && now[i] != coverage_.all()) state |= kDiffers;
+            if (now[i] == 0) state |= kGone;
             if (now[i] != coverage_.all()) opacity[i] *= coverage_.share(now[i]);
-            if (opacity[i] != 0) occupied[brick] = 1;
+            if (opacity[i] != 0) occupied[i / kBrickX] = 1;
             before[i] = now[i];
         }
     });
     const std::size_t bricks = (nx + kBrickX - 1) / kBrickX;
-    std::copy_n(differs, bricks, differs_flags);
+    for (std::size_t i = 0; i < bricks; ++i)
+        flags[i] = static_cast<std::uint8_t>((flags[i] & (kChanged | kTurned)) | states[i]);
     std::copy_n(occupied, bricks, volume_.occupied().brick(x / kBrickX, y / kBrickY, z / kBrickZ));
     return true;
 }
@@ -155,7 +160,7 @@ dfield_contextual::Region dfield_contextual::change_clips() {
 
 void dfield_contextual::refresh_windows(const Box& voxels) const {
     const std::size_t brick[3] = {kBrickX, kBrickY, kBrickZ},
-                      all[3] = {changed_.nx(), changed_.ny(), changed_.nz()};
+                      all[3] = {flags_.nx(), flags_.ny(), flags_.nz()};
     std::size_t low[3], high[3];
     for (std::size_t axis = 0; axis < 3; ++axis) {
         // Whole blocks were changed.
@@ -164,6 +169,5 @@ void dfield_contextual::refresh_windows(const Box& voxels) const {
         high[axis] = std::min(
             all[axis], (voxels.high[axis] + block[axis] - 1) / block[axis] * (block[axis] / brick[axis]));
     }
-    for (const BrickFlags* flags : {&changed_, &turned_, &differs_, &volume_.occupied()})
-        flags->update_windows(low, high);
+    for (const BrickFlags* flags : {&flags_, &volume_.occupied()}) flags->update_windows(low, high);
 }

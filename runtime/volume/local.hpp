@@ -8,6 +8,7 @@
 
 #include "volume/local_rays.hpp"
 #include "volume/opacity.hpp"
+#include "volume/opacity_box.hpp"
 
 namespace dfield::runtime::volume {
 
@@ -90,13 +91,18 @@ inline LocalFunction* local_function(const dfield_context& context, const LocalR
                             : local_function(context.simd_targets);
 }
 
+// What a session knows of a brick: some of its matter is clipped; its opacities changed since the marks were
+// made; some of its voxels became clipped, all of them, or stopped being so; there are such voxels in it.
+enum : std::uint8_t { kDiffers = 1, kChanged = 2, kTurned = 4, kGone = 8 };
+
 // The same for a clipped volume, from the factors of the unclipped one.
 struct ExchangeJob {
-    const OpacityVolume *before = nullptr, *now = nullptr;  // unclipped, clipped
-    const BrickFlags* differs = nullptr;                    // where they do
-    const LocalPlan* plan = nullptr;                        // for both
-    const float* unclipped = nullptr;                       // factors, packed
-    float* visibility = nullptr;                            // out
+    const OpacityVolume* now = nullptr;  // clipped
+    const OpacityBox* before = nullptr;  // unclipped, where bricks differ
+    const BrickFlags* flags = nullptr;
+    const LocalPlan* plan = nullptr;
+    const float* const* unclipped = nullptr;  // factors of each of the tile's blocks, kBlock of them
+    float* visibility = nullptr;              // out
 };
 // Returns the blocks that it left undone, where computing all rays is less work.
 using ExchangeFunction = std::uint32_t(const ExchangeJob& job, const Tile& tile);

@@ -13,17 +13,37 @@ namespace dfield::runtime::volume::HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_SCALAR
 
+// What was there before: where it may differ it is in a box, elsewhere as it is now.
+struct Before {
+    const std::uint8_t* differs;  // the block's window, of flags
+    const RayStep* steps;         // the ray's
+    const float* at;              // the voxel that a walk's `at` is, in the box
+    std::ptrdiff_t row, slice;    // of the box
+
+    std::uint8_t occupied(const Walk& walk, std::size_t i) const {
+        const std::ptrdiff_t window = walk.steps[i].window;
+        static_assert(kDiffers == 1, "as windows that are occupied");
+        return static_cast<std::uint8_t>(walk.windows[window] | (differs[window] & kDiffers));
+    }
+    HWY_INLINE Throughout::Place place(const Walk& walk, const float* now, std::size_t i) const {
+        const LocalPlan::Step& step = walk.steps[i];
+        if (!(differs[step.window] & kDiffers)) return {now + step.offset, walk.row, walk.slice};
+        const Offset& offset = steps[i].offset;
+        return {at + (offset[0] + offset[1] * row + offset[2] * slice), row, slice};
+    }
+};
+
 // A ray's steps up to the first one that may differ are the same in both volumes.
 template<bool kX, bool kY, bool kZ>
-void exchange_ray(const Walk& now, const Walk& before, std::size_t differs, const float* HWY_RESTRICT at_now,
-                  const float* HWY_RESTRICT at_before, float* HWY_RESTRICT gains) {
+void exchange_ray(const Walk& walk, const float* HWY_RESTRICT at, std::size_t differs, const Before& before,
+                  float* HWY_RESTRICT gains) {
     const F f;
     Lanes lanes;
     begin(lanes);
-    if (!walk_steps<kX, kY, kZ, false>(now, at_now, 0, differs, lanes)) return;
+    if (!walk_steps<kX, kY, kZ, false>(walk, at, 0, differs, lanes)) return;
     Lanes was = lanes;
-    walk_steps<kX, kY, kZ, false>(before, at_before, differs, before.count, was);
-    walk_steps<kX, kY, kZ, false>(now, at_now, differs, now.count, lanes);
+    walk_steps<kX, kY, kZ, false>(walk, at, differs, walk.count, was, before);
+    walk_steps<kX, kY, kZ, false>(walk, at, differs, walk.count, lanes);
     for (std::size_t z = 0; z < kRowsZ; ++z)
         for (std::size_t y = 0; y < kRowsY; ++y) {
             float* const gain = gains + (z * kBlockY + y) * kBlockX;
@@ -32,8 +52,8 @@ void exchange_ray(const Walk& now, const Walk& before, std::size_t differs, cons
         }
 }
 
-using ExchangeRay = void(const Walk& now, const Walk& before, std::size_t differs, const float* HWY_RESTRICT,
-                         const float* HWY_RESTRICT, float* HWY_RESTRICT gains);
+using ExchangeRay = void(const Walk& walk, const float* HWY_RESTRICT at, std::size_t differs,
+                         const Before& before, float* HWY_RESTRICT gains);
 constexpr ExchangeRay* kExchanges[] = {exchange_ray<false, false, false>, exchange_ray<true, false, false>,
                                        exchange_ray<false, true, false>,  exchange_ray<true, true, false>,
                                        exchange_ray<false, false, true>,  exchange_ray<true, false, true>,
@@ -47,11 +67,11 @@ std::uint32_t exchange(const ExchangeJob& job, const Tile& tile) {
     HWY_ALIGN float gains[kBlock];
     std::uint32_t left = 0;
     for_blocks(grid, tile, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-        const std::uint8_t* const differs = job.differs->window(x, y, z);
+        const std::uint8_t* const differs = job.flags->window(x, y, z);
         std::uint16_t first[kMostExchanged];  // step of each ray; all of them where there is none
         std::size_t work = 0, run = 0;
         for (std::size_t k = 0; k < rays.count; ++k) {
-            while (run < plan.run_ends[k] && !differs[plan.runs[run].window]) ++run;
+            while (run < plan.run_ends[k] && !(differs[plan.runs[run].window] & kDiffers)) ++run;
             const std::size_t i = run < plan.run_ends[k] ? plan.runs[run].first : rays.per_ray;
             first[k] = static_cast<std::uint16_t>(i);
             if (i < rays.per_ray) work += 2 * rays.per_ray - i;
@@ -62,29 +82,28 @@ std::uint32_t exchange(const ExchangeJob& job, const Tile& tile) {
             return;
         }
         std::fill_n(gains, kBlock, 0.0f);
-        Walk now{nullptr, rays.per_ray, job.now->row_stride(), job.now->slice_stride(),
-                 job.now->occupied().window(x, y, z)};
-        Walk before = now;
-        before.windows = job.before->occupied().window(x, y, z);
-        const float *const at_now = job.now->row(y, z) + x, *const at_before = job.before->row(y, z) + x;
+        Walk walk{nullptr, rays.per_ray, job.now->row_stride(), job.now->slice_stride(),
+                  job.now->occupied().window(x, y, z)};
+        const float *const now = job.now->row(y, z) + x, *const was =
+                                                             job.before->at(static_cast<std::ptrdiff_t>(x),
+                                                                            static_cast<std::ptrdiff_t>(y),
+                                                                            static_cast<std::ptrdiff_t>(z));
+        Before before{differs, nullptr, nullptr, job.before->row_stride(), job.before->slice_stride()};
         for (std::size_t k = 0; k < rays.count; ++k) {
             if (first[k] == rays.per_ray) continue;
-            now.steps = before.steps = plan.steps.data() + k * rays.per_ray;
-            for_row_groups(now.row, now.slice, [&](std::ptrdiff_t at, std::size_t row) {
-                kExchanges[plan.inside[k]](now, before, first[k], at_now + at, at_before + at, gains + row);
+            walk.steps = plan.steps.data() + k * rays.per_ray;
+            before.steps = rays.ray(k).data();
+            for_rows([&](std::ptrdiff_t gx, std::ptrdiff_t gy, std::ptrdiff_t gz, std::size_t row) {
+                before.at = was + (gx + gy * before.row + gz * before.slice);
+                kExchanges[plan.inside[k]](walk, now + (gx + gy * walk.row + gz * walk.slice), first[k],
+                                           before, gains + row);
             });
         }
         const V quantum = hn::Set(f, plan.quantum);
         for (std::size_t r = 0; r < kBlock; r += hn::Lanes(f))
             hn::Store(hn::Mul(hn::Load(f, gains + r), quantum), f, gains + r);
-        const std::size_t columns = std::min(kBlockX, grid.nx - x);
-        for (std::size_t k = 0; k < std::min(kBlockZ, grid.nz - z); ++k)
-            for (std::size_t j = 0; j < std::min(kBlockY, grid.ny - y); ++j) {
-                const float* const gain = gains + (k * kBlockY + j) * kBlockX;
-                const std::size_t at = grid.index(x, y + j, z + k);
-                for (std::size_t i = 0; i < columns; ++i)
-                    job.visibility[at + i] = job.unclipped[at + i] + gain[i];
-            }
+        for (std::size_t i = 0; i < kBlock; ++i) gains[i] += job.unclipped[bit][i];
+        store_block(grid, x, y, z, gains, job.visibility);
     });
     return left;
 }

@@ -50,6 +50,20 @@ struct Walk {
     const std::uint8_t* windows;  // the block's
 };
 
+// Where a step's samples are: by a walk's own volume for all steps.
+struct Throughout {
+    static std::uint8_t occupied(const Walk& walk, std::size_t i) {
+        return walk.windows[walk.steps[i].window];
+    }
+    struct Place {
+        const float* at;
+        std::ptrdiff_t row, slice;
+    };
+    HWY_INLINE Place place(const Walk& walk, const float* at, std::size_t i) const {
+        return {at + walk.steps[i].offset, walk.row, walk.slice};
+    }
+};
+
 // The light of some rows' rays, and what was lost of it.
 struct Lanes {
     V light[kRowsZ][kRowsY], dark[kRowsZ][kRowsY];
@@ -117,23 +131,23 @@ HWY_INLINE void begin(Lanes& lanes) {
 
 // Steps [first, last) of a ray of kRowsY x kRowsZ rows from the vector of voxels at `at` on. False where no
 // light is left. Rays may be walked in parts: what is left is looked at where it would be if they were not.
-template<bool kX, bool kY, bool kZ, bool kSlopes>
+template<bool kX, bool kY, bool kZ, bool kSlopes, class Where = Throughout>
 HWY_INLINE bool walk_steps(const Walk& walk, const float* HWY_RESTRICT at, std::size_t first,
-                           std::size_t last, Lanes& lanes) {
+                           std::size_t last, Lanes& lanes, const Where& where = {}) {
     const F f;
     while (first < last) {
         const std::size_t check = std::min(first / kCheck * kCheck + kCheck, walk.count),
                           end = std::min(check, last);
-        const LocalPlan::Step* const steps = walk.steps + first;
         unsigned wanted = 0;
-        for (std::size_t i = 0; i < end - first; ++i)
-            wanted |= static_cast<unsigned>(walk.windows[steps[i].window]) << i;
-        const bool parted = first % kCheck != 0;
+        for (std::size_t i = first; i < end; ++i)
+            wanted |= static_cast<unsigned>(where.occupied(walk, i)) << (i - first);
+        const std::size_t begin = first;
         first = end;
-        if (wanted == 0 && !parted) continue;
+        if (wanted == 0 && begin % kCheck == 0) continue;
         while (wanted != 0) {
-            const LocalPlan::Step& step = steps[hwy::Num0BitsBelowLS1Bit_Nonzero32(wanted)];
-            take_sample<kX, kY, kZ, kSlopes>(step, at + step.offset, walk.row, walk.slice, lanes);
+            const std::size_t i = begin + hwy::Num0BitsBelowLS1Bit_Nonzero32(wanted);
+            const auto place = where.place(walk, at, i);
+            take_sample<kX, kY, kZ, kSlopes>(walk.steps[i], place.at, place.row, place.slice, lanes);
             wanted &= wanted - 1;
         }
         if (end != check) break;
@@ -180,16 +194,15 @@ constexpr WalkRay* kWalks[] = {walk_ray<false, false, false, kSlopes>, walk_ray<
                                walk_ray<false, false, true, kSlopes>,  walk_ray<true, false, true, kSlopes>,
                                walk_ray<false, true, true, kSlopes>,   walk_ray<true, true, true, kSlopes>};
 
-// Calls use(at, row) for the vectors of a block's rows that are walked together: their first voxel counted
-// from the block's, in floats of the volume and of a block's own.
+// Calls use(x, y, z, row) for the vectors of a block's rows that are walked together: their first voxel, and
+// where it is among a block's own floats.
 template<class Use>
-HWY_INLINE void for_row_groups(std::ptrdiff_t row, std::ptrdiff_t slice, const Use& use) {
+HWY_INLINE void for_rows(const Use& use) {
     for (std::size_t z = 0; z < kBlockZ; z += kRowsZ)
         for (std::size_t y = 0; y < kBlockY; y += kRowsY)
             for (std::size_t x = 0; x < kBlockX; x += hn::Lanes(F()))
-                use(static_cast<std::ptrdiff_t>(x) + static_cast<std::ptrdiff_t>(y) * row +
-                        static_cast<std::ptrdiff_t>(z) * slice,
-                    (z * kBlockY + y) * kBlockX + x);
+                use(static_cast<std::ptrdiff_t>(x), static_cast<std::ptrdiff_t>(y),
+                    static_cast<std::ptrdiff_t>(z), (z * kBlockY + y) * kBlockX + x);
 }
 
 // What of a block lies in the grid, a row of kBlockX floats after the other.
@@ -231,8 +244,8 @@ void local_of_tile(const LocalJob& job, const Tile& tile) {
         for (std::size_t i = 0; i < count; ++i) {
             const Place& place = places[i];
             walk.windows = place.windows;
-            for_row_groups(walk.row, walk.slice, [&](std::ptrdiff_t at, std::size_t row) {
-                walk_one(walk, place.at + at, plan.whole, place.dark + row);
+            for_rows([&](std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z, std::size_t row) {
+                walk_one(walk, place.at + (x + y * walk.row + z * walk.slice), plan.whole, place.dark + row);
             });
         }
     }

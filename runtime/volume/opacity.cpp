@@ -8,15 +8,7 @@
 namespace dfield::runtime::volume {
 namespace {
 
-constexpr std::size_t round_up(std::size_t n, std::size_t to) {
-    return (n + to - 1) / to * to;
-}
-
 constexpr std::size_t kBrick[3] = {kBrickX, kBrickY, kBrickZ};
-
-// The padding before the first voxel or slice, and after the last: a window that touches the grid's edge
-// reaches so far beyond, and so do the samples whose lowest voxel lies in its first brick.
-constexpr std::size_t kPadX = 5 * kBrickX, kPadY = 2 * kBrickY, kPadZ = 2 * kBrickZ;
 
 template<class Type>
 void look_up(const std::byte* samples, std::size_t begin, std::size_t end, const float* table, float* out) {
@@ -116,9 +108,32 @@ std::ptrdiff_t BrickFlags::window_offset(const Offset& offset) const {
     return all;
 }
 
-void BrickFlags::clear() const {
-    std::fill_n(bricks_.get(), size_, std::uint8_t{0});
-    std::fill_n(windows_.get(), size_, std::uint8_t{0});
+void BrickFlags::clear(std::uint8_t bits) const {
+    const auto others = static_cast<std::uint8_t>(~bits);
+    for (std::uint8_t* const flags : {bricks_.get(), windows_.get()})
+        for (std::size_t i = 0; i < size_; ++i) flags[i] &= others;
+}
+
+bool BrickFlags::bounds(std::uint8_t bits, std::size_t low[3], std::size_t high[3]) const {
+    std::copy_n(n_, 3, low);
+    std::fill_n(high, 3, std::size_t{0});
+    for (std::size_t z = 0; z < n_[2]; ++z)
+        for (std::size_t y = 0; y < n_[1]; ++y) {
+            const std::uint8_t *const row = brick(0, y, z), *const end = row + n_[0];
+            std::uint8_t all = 0;
+            for (const std::uint8_t* flag = row; flag < end; ++flag) all |= *flag;
+            if (!(all & bits)) continue;
+            const auto set = [&](std::uint8_t flag) { return (flag & bits) != 0; };
+            const auto first = static_cast<std::size_t>(std::find_if(row, end, set) - row);
+            std::size_t last = n_[0];
+            while (!set(row[last - 1])) --last;
+            const std::size_t from[3] = {first, y, z}, to[3] = {last, y + 1, z + 1};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], from[axis]);
+                high[axis] = std::max(high[axis], to[axis]);
+            }
+        }
+    return high[0] > 0;
 }
 
 void BrickFlags::update_windows() const {
@@ -148,17 +163,14 @@ void BrickFlags::update_windows(const std::size_t low[3], const std::size_t high
 OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high,
                              bool with_triples)
     : grid_(grid), occupied_(context, grid, low, high) {
-    const auto odd_lines = [](std::size_t floats) {
-        const std::size_t lines = (floats + 15) / 16;
-        return 16 * (lines | 1);
-    };
-    const std::size_t row = odd_lines(grid.nx + kPadX), slice = odd_lines(row * (grid.ny + kPadY));
+    const std::size_t row = odd_lines(round_up(grid.nx, kBrickX) + kPadX),
+                      slice = odd_lines(row * (round_up(grid.ny, kBrickY) + kPadY));
     row_ = static_cast<std::ptrdiff_t>(row);
     slice_ = static_cast<std::ptrdiff_t>(slice);
-    // Before the first voxel: slices, rows, and a row's own padding, rounded to keep rows aligned.
-    const std::size_t before = kPadZ * slice + kPadY * row + round_up(kPadX, 16);
+    const std::size_t before = kPadZ * slice + kPadY * row + kPadX;
+    static_assert(kPadX % 16 == 0, "rows begin on a cache line's border");
     origin_ = static_cast<std::ptrdiff_t>(before);
-    const std::size_t all = round_up(before + (grid.nz + kPadZ) * slice + kPadY * row + 2 * kPadX, 16);
+    const std::size_t all = before + (round_up(grid.nz, kBrickZ) + kPadZ) * slice;
     triples_ = static_cast<std::ptrdiff_t>(with_triples ? all : 0);
     values_ = Buffer<float>(context, with_triples ? 2 * all : all, 0.0f);
 }

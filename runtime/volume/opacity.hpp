@@ -43,8 +43,9 @@ constexpr std::size_t kBrickX = 4, kBrickY = 4, kBrickZ = 2;
 
 using Offset = std::array<std::int32_t, 3>;
 
-// Flags of bricks, and of windows of 5 x 2 x 2 bricks by their lowest one. A block's samples of one step, at
-// any offset, lie within the window that begins at the brick of the lowest of the voxels that they touch.
+// Flags of bricks, eight bits for whoever owns them, and of windows of 5 x 2 x 2 bricks by their lowest one.
+// A block's samples of one step, at any offset, lie within the window that begins at the brick of the lowest
+// of the voxels that they touch.
 class BrickFlags {
   public:
     // For samples at offsets from `low` to `high`, in voxels.
@@ -59,7 +60,10 @@ class BrickFlags {
     // Brings the windows up to date that bricks [low, high) are part of.
     void update_windows(const std::size_t low[3], const std::size_t high[3]) const;
     void update_windows() const;
-    void clear() const;
+    // Takes these bits off all flags.
+    void clear(std::uint8_t bits) const;
+    // The box of bricks [low, high) that have one of these bits; false where none has.
+    bool bounds(std::uint8_t bits, std::size_t low[3], std::size_t high[3]) const;
 
     // The window of a block that begins at this voxel, and how far from it that of its samples at an offset
     // is.
@@ -79,9 +83,21 @@ class BrickFlags {
     Buffer<std::uint8_t> bricks_, windows_;
 };
 
+// How far before the first voxel of a brick, and after the last, a block's samples can lie whose window holds
+// that brick.
+constexpr std::size_t kPadX = 4 * kBrickX, kPadY = kBrickY, kPadZ = kBrickZ;
+
+constexpr std::size_t round_up(std::size_t n, std::size_t to) {
+    return (n + to - 1) / to * to;
+}
+// Floats of rows, and of slices, that do not compete for the same sets of the cache as their neighbours: an
+// odd number of cache lines.
+constexpr std::size_t odd_lines(std::size_t floats) {
+    return 16 * ((floats + 15) / 16 | 1);
+}
+
 // A float a voxel, 0 around the grid as far as a block's samples can lie whose window is not empty. A row's
-// padding is that of the next one too; rows and slices are odd multiples of 64 bytes apart, so that
-// neighbours do not compete for the same sets of the cache.
+// padding is that of the next one too.
 class OpacityVolume {
   public:
     // with_triples: with room for the opacities of three layers.

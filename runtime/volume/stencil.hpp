@@ -15,12 +15,13 @@ class Stencil {
   public:
     Stencil(std::pmr::memory_resource* memory, const BrickFlags& flags, std::span<const Offset> offsets);
 
-    // Whether any of them is set, seen from a block's own window.
-    bool meets(const std::uint8_t* window) const {
+    // Whether any of them has this bit, seen from a block's own window.
+    bool meets(const std::uint8_t* window, std::uint8_t bit) const {
+        const std::uint64_t bits = bit * 0x0101010101010101u;
         for (const Word& word : words_) {
             std::uint64_t flags;
             std::memcpy(&flags, window + word.offset, sizeof flags);
-            if (flags & word.mask) return true;
+            if (flags & word.mask & bits) return true;
         }
         return false;
     }

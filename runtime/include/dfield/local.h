@@ -81,7 +81,7 @@ DFIELD_API void dfield_local_desc_init(dfield_local_desc* desc);
 DFIELD_API dfield_status dfield_local_get_directions(const dfield_local_desc* desc, float* directions);
 
 /* Local ambient occlusion of a whole volume: a float a voxel, packed, into `visibility`. Allocates the
-   opacities, about 1.2 floats a voxel, twice as many if approximate, through the context's hooks. Any thread.
+   opacities, about 1.1 floats a voxel, twice as many if approximate, through the context's hooks. Any thread.
  */
 DFIELD_API dfield_status dfield_volume_local_ao(dfield_context* context, const dfield_volume_samples* samples,
                                                 const dfield_opacity_desc* opacity,
