@@ -207,10 +207,9 @@ void add_volume_lao_command(CLI::App& volume) {
     lao->add_option("-o,--output", command->output, "The factors, 1 = open: a float NRRD on FILE's grid")
         ->required();
     add_shared(*lao, *command);
-    lao->add_flag(
-           "--approximate", command->local.approximate,
-           "Long rays faster and not exact: all but the first samples are taken three at a time; about "
-           "4e-4 off (RMS) with 50 samples")
+    lao->add_flag("--approximate", command->local.approximate,
+                  "Long rays faster and not exact: far samples are taken in pairs and fours, and air is "
+                  "interpolated; about 4e-4 off (RMS)")
         ->group("Local ambient occlusion");
     lao->footer(
         "gsamples_per_s counts all samples whose opacity matters, taken or skipped: a ray's last does not.");

@@ -84,10 +84,9 @@ dfield_contextual::dfield_contextual(dfield_context* context, const dfield_conte
       neighbours_reach_(context, flags_, kNeighbours),
       left_(context, grid_.size(), coverage_.all()),
       visibility_(context, grid_.size(), 1.0f),
-      tiles_{(grid_.nx + kTileX - 1) / kTileX, (grid_.ny + kTileY - 1) / kTileY,
-             (grid_.nz + kTileZ - 1) / kTileZ},
-      unclipped_(context, tiles_[0] * tiles_[1] * tiles_[2]),
-      pending_unclipped_(tiles_[0] * tiles_[1] * tiles_[2], 0u, context),
+      tiles_(tiles_of(grid_)),
+      unclipped_(context, tile_count(grid_)),
+      pending_unclipped_(tile_count(grid_), 0u, context),
       pending_(pending_unclipped_.size(), 0u, context),
       pending_rough_(pending_unclipped_.size(), 0u, context),
       apart_(pending_unclipped_.size(), 0u, context),
@@ -142,9 +141,9 @@ Box dfield_contextual::bounds(const PlacedClip& clip) const {
 }
 
 Tile dfield_contextual::tile(std::size_t index) const {
-    return {static_cast<std::uint32_t>(index % tiles_[0] * kTileX),
-            static_cast<std::uint32_t>(index / tiles_[0] % tiles_[1] * kTileY),
-            static_cast<std::uint32_t>(index / (tiles_[0] * tiles_[1]) * kTileZ), 0};
+    Tile tile = tile_at(grid_, index);
+    tile.blocks = 0;
+    return tile;
 }
 
 template<class Wanted, class Use>

@@ -124,7 +124,7 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
     const dfield::runtime::volume::Stencil rays_reach_, neighbours_reach_;
     dfield::runtime::volume::Buffer<std::uint8_t> left_;
     dfield::runtime::volume::Buffer<float> visibility_;
-    std::size_t tiles_[3];
+    const std::array<std::size_t, 3> tiles_;
     // Unclipped factors of the blocks that clips have an effect on; all others have them in visibility_.
     dfield::runtime::volume::BlockStore unclipped_;
     // Blocks of tiles to be computed: unclipped, clipped, roughly.

@@ -75,7 +75,7 @@ dfield_status dfield_volume_local_ao_clipped(dfield_context* context, const dfie
         const dfield_local_desc local = checked_local(desc);
         const OpacityFunction function = opacity_of(context, opacity, local, grid, values.type);
         const LocalRays rays = rays_of(context, grid, local);
-        OpacityVolume volume(context, grid, rays.low, rays.high, rays.approximate);
+        OpacityVolume volume = opacity_volume(context, grid, rays);
         const LocalPlan plan(context, rays, volume);
         std::pmr::vector<PlacedClip> placed(context);
         for (std::size_t i = 0; i < clip_count; ++i) placed.emplace_back(clips[i], grid);
@@ -94,7 +94,6 @@ dfield_status dfield_volume_local_ao_clipped(dfield_context* context, const dfie
         });
         const std::size_t low[3] = {0, 0, 0}, high[3] = {grid.nx, grid.ny, grid.nz};
         volume.update_occupied(context, low, high);
-        if (rays.approximate) volume.fill_triples(context);
         compute_local(context, {&volume, &plan, visibility});
         context->for_ranges(grid.nz, [&](std::size_t begin, std::size_t end) {
             for (std::size_t z = begin; z < end; z += 1)

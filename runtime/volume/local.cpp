@@ -12,7 +12,11 @@ namespace dfield::runtime::volume::HWY_NAMESPACE {
 
 void local(const LocalJob& job, const Tile& tile) {
 #if HWY_TARGET != HWY_SCALAR
-    local_of_tile<false>(job, tile);
+    constexpr WalkRays kWalks{walk_ray<false, false, false>, walk_ray<true, false, false>,
+                              walk_ray<false, true, false>,  walk_ray<true, true, false>,
+                              walk_ray<false, false, true>,  walk_ray<true, false, true>,
+                              walk_ray<false, true, true>,   walk_ray<true, true, true>};
+    local_of_tile(job, tile, kWalks);
 #else
     local_reference(job, tile);
 #endif
@@ -23,6 +27,8 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <cmath>
+
+#include "volume/local_air.hpp"
 
 namespace dfield::runtime::volume {
 
@@ -52,12 +58,11 @@ LocalPlan::LocalPlan(std::pmr::memory_resource* memory, const LocalRays& from, c
         std::uint8_t axes = 0;
         for (const RayStep& step : from.ray(k)) {
             const auto& [x, y, z] = step.offset;
-            steps.push_back(
-                {x + y * volume.row_stride() + z * volume.slice_stride() + (step.far ? volume.triples() : 0),
-                 volume.occupied().window_offset(step.offset),
-                 {step.fraction[0], step.fraction[1], step.fraction[2]},
-                 step.weight * per_quantum,
-                 step.slope * per_quantum});
+            steps.push_back({x + y * volume.row_stride() + z * volume.slice_stride(),
+                             volume.occupied().window_offset(step.offset),
+                             {step.fraction[0], step.fraction[1], step.fraction[2]},
+                             step.weight * per_quantum,
+                             step.slope * per_quantum});
             for (unsigned axis = 0; axis < 3; ++axis)
                 if (step.fraction[axis] != 0) axes = static_cast<std::uint8_t>(axes | 1u << axis);
         }
@@ -74,15 +79,26 @@ LocalPlan::LocalPlan(std::pmr::memory_resource* memory, const LocalRays& from, c
 
 void compute_local(dfield_context* context, const LocalJob& job) {
     const Grid& grid = job.opacity->grid();
-    const std::size_t nx = (grid.nx + kTileX - 1) / kTileX, ny = (grid.ny + kTileY - 1) / kTileY,
-                      nz = (grid.nz + kTileZ - 1) / kTileZ;
     LocalFunction* const local = local_function(*context, *job.plan->rays);
-    context->for_ranges(nx * ny * nz, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            local(job, {static_cast<std::uint32_t>(i % nx * kTileX),
-                        static_cast<std::uint32_t>(i / nx % ny * kTileY),
-                        static_cast<std::uint32_t>(i / (nx * ny) * kTileZ), ~0u});
+    const auto for_tiles = [&](const auto& use) {
+        context->for_ranges(tile_count(grid), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) use(i, tile_at(grid, i));
+        });
+    };
+    if (!job.plan->rays->approximate) {
+        for_tiles([&](std::size_t, const Tile& tile) { local(job, tile); });
+        return;
+    }
+    LocalFunction* const local_air = local_air_function(context->simd_targets);
+    Air air(context, *job.plan->rays, *job.opacity);
+    for_tiles([&](std::size_t i, Tile tile) {
+        const std::uint32_t in_air = air.find(i, tile);
+        tile.blocks = ~in_air;
+        local(job, tile);
+        tile.blocks = in_air;
+        if (in_air != 0) local_air(job, tile);
     });
+    air.interpolate(context, job.visibility);
 }
 
 }  // namespace dfield::runtime::volume

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory_resource>
 #include <vector>
@@ -16,6 +17,9 @@ namespace dfield::runtime::volume {
 // result depends on which voxels are computed together; A lacks less than this for it.
 constexpr float kOpaque = 1e-5f;
 constexpr std::size_t kCheck = 8;
+// The same for approximate rays, whose next sample takes what is left.
+constexpr float kNearlyOpaque = 2e-2f;
+constexpr std::size_t kNearlyCheck = 4;
 
 // The rays with a volume's strides worked into them.
 struct LocalPlan {
@@ -55,6 +59,21 @@ struct Tile {
     std::uint32_t x, y, z;  // its lowest voxel
     std::uint32_t blocks;   // which are wanted: bit bx + 4 (by + 2 bz)
 };
+inline std::array<std::size_t, 3> tiles_of(const Grid& grid) {
+    return {(grid.nx + kTileX - 1) / kTileX, (grid.ny + kTileY - 1) / kTileY,
+            (grid.nz + kTileZ - 1) / kTileZ};
+}
+inline std::size_t tile_count(const Grid& grid) {
+    const auto [nx, ny, nz] = tiles_of(grid);
+    return nx * ny * nz;
+}
+// All of it.
+inline Tile tile_at(const Grid& grid, std::size_t index) {
+    const auto [nx, ny, nz] = tiles_of(grid);
+    return {static_cast<std::uint32_t>(index % nx * kTileX),
+            static_cast<std::uint32_t>(index / nx % ny * kTileY),
+            static_cast<std::uint32_t>(index / (nx * ny) * kTileZ), ~0u};
+}
 constexpr std::size_t block_bit(std::size_t bx, std::size_t by, std::size_t bz) {
     return bx + kTileBlocksX * (by + kTileBlocksY * bz);
 }
@@ -82,6 +101,10 @@ using LocalFunction = void(const LocalJob& job, const Tile& tile);
 // Levels with fused multiplication and addition agree to the last bit, SSE4 with them within kLocalError.
 LocalFunction* local_function(std::int64_t targets);
 LocalFunction* local_approximate_function(std::int64_t targets);
+// The same for every second row of every second slice of groups (local_air.hpp): the tile's blocks are all of
+// these groups.
+LocalFunction* local_air_function(std::int64_t targets);
+void local_air_reference(const LocalJob& job, const Tile& tile);
 void local_reference(const LocalJob& job, const Tile& tile);
 // With jitter, at every level.
 void local_jittered(const LocalJob& job, const Tile& tile);
@@ -123,16 +146,15 @@ void for_voxels(const Grid& grid, const Tile& tile, const Compute& compute) {
                     compute(x, y, z);
 }
 
-// The opacity at voxel (x, y, z) + fraction: trilinear, 0 outside the grid. `plane`: triples(), or 0.
+// The opacity at voxel (x, y, z) + fraction: trilinear, 0 outside the grid.
 inline float opacity_at(const OpacityVolume& volume, std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z,
-                        const float* fraction, std::ptrdiff_t plane = 0) {
+                        const float* fraction) {
     const Grid& grid = volume.grid();
     const auto beyond = [](std::ptrdiff_t at, std::size_t n) {
         return at < -1 || at >= static_cast<std::ptrdiff_t>(n);
     };
     if (beyond(x, grid.nx) || beyond(y, grid.ny) || beyond(z, grid.nz)) return 0;
-    const float* const at =
-        volume.row(0, 0) + plane + x + y * volume.row_stride() + z * volume.slice_stride();
+    const float* const at = volume.row(0, 0) + x + y * volume.row_stride() + z * volume.slice_stride();
     const auto lerp = [](float low, float high, float t) { return low + t * (high - low); };
     const auto along_x = [&](const float* p) { return lerp(p[0], p[1], fraction[0]); };
     const auto along_y = [&](const float* p) {
@@ -141,6 +163,10 @@ inline float opacity_at(const OpacityVolume& volume, std::ptrdiff_t x, std::ptrd
     return lerp(along_y(at), along_y(at + volume.slice_stride()), fraction[2]);
 }
 
+// As compute_local() needs it, unfilled.
+inline OpacityVolume opacity_volume(dfield_context* context, const Grid& grid, const LocalRays& rays) {
+    return OpacityVolume(context, grid, rays.low, rays.high, rays.approximate ? 2 : 1);
+}
 // All of the grid.
 void compute_local(dfield_context* context, const LocalJob& job);
 

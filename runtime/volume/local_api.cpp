@@ -37,9 +37,8 @@ dfield_status dfield_volume_local_ao(dfield_context* context, const dfield_volum
         const dfield_local_desc local = checked_local(desc);
         const OpacityFunction function = opacity_of(context, opacity, local, grid, values.type);
         const LocalRays rays = rays_of(context, grid, local);
-        OpacityVolume volume(context, grid, rays.low, rays.high, rays.approximate);
+        OpacityVolume volume = opacity_volume(context, grid, rays);
         require_finite(fill_opacity(context, values, function, volume));
-        if (rays.approximate) volume.fill_triples(context);
         const LocalPlan plan(context, rays, volume);
         compute_local(context, {&volume, &plan, visibility});
     });

@@ -25,11 +25,14 @@ struct Before {
         static_assert(kDiffers == 1, "as windows that are occupied");
         return static_cast<std::uint8_t>(walk.windows[window] | (differs[window] & kDiffers));
     }
-    HWY_INLINE Throughout::Place place(const Walk& walk, const float* now, std::size_t i) const {
+    template<bool kX, bool kY, bool kZ, class Sample>
+    HWY_INLINE void take(const Walk& walk, const float* HWY_RESTRICT now, std::size_t i, Lanes& lanes) const {
         const LocalPlan::Step& step = walk.steps[i];
-        if (!(differs[step.window] & kDiffers)) return {now + step.offset, walk.row, walk.slice};
         const Offset& offset = steps[i].offset;
-        return {at + (offset[0] + offset[1] * row + offset[2] * slice), row, slice};
+        const bool other = differs[step.window] & kDiffers;
+        take_sample<kX, kY, kZ, Sample>(
+            step, other ? at + (offset[0] + offset[1] * row + offset[2] * slice) : now + step.offset,
+            other ? row : walk.row, other ? slice : walk.slice, lanes);
     }
 };
 
@@ -40,10 +43,10 @@ void exchange_ray(const Walk& walk, const float* HWY_RESTRICT at, std::size_t di
     const F f;
     Lanes lanes;
     begin(lanes);
-    if (!walk_steps<kX, kY, kZ, false>(walk, at, 0, differs, lanes)) return;
+    if (!walk_steps<kX, kY, kZ>(walk, at, 0, differs, lanes)) return;
     Lanes was = lanes;
-    walk_steps<kX, kY, kZ, false>(walk, at, differs, walk.count, was, before);
-    walk_steps<kX, kY, kZ, false>(walk, at, differs, walk.count, lanes);
+    walk_steps<kX, kY, kZ, One>(walk, at, differs, walk.count, was, before);
+    walk_steps<kX, kY, kZ>(walk, at, differs, walk.count, lanes);
     for (std::size_t z = 0; z < kRowsZ; ++z)
         for (std::size_t y = 0; y < kRowsY; ++y) {
             float* const gain = gains + (z * kBlockY + y) * kBlockX;
@@ -82,8 +85,8 @@ std::uint32_t exchange(const ExchangeJob& job, const Tile& tile) {
             return;
         }
         std::fill_n(gains, kBlock, 0.0f);
-        Walk walk{nullptr, rays.per_ray, job.now->row_stride(), job.now->slice_stride(),
-                  job.now->occupied().window(x, y, z)};
+        Walk walk(rays, *job.now);
+        walk.windows = job.now->occupied().window(x, y, z);
         const float *const now = job.now->row(y, z) + x, *const was =
                                                              job.before->at(static_cast<std::ptrdiff_t>(x),
                                                                             static_cast<std::ptrdiff_t>(y),

@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 
 #include "volume/local.hpp"
 
@@ -44,24 +45,20 @@ HWY_INLINE V loaded_once(V v) {
 }
 
 struct Walk {
-    const LocalPlan::Step* steps;
+    RayGroups groups;
     std::size_t count;  // of the ray's steps
     std::ptrdiff_t row, slice;
-    const std::uint8_t* windows;  // the block's
-};
+    std::ptrdiff_t next_y, next_z;  // from a block's windows to those of the block after it
+    const LocalPlan::Step* steps = nullptr;
+    const std::uint8_t* windows = nullptr;  // the block's
 
-// Where a step's samples are: by a walk's own volume for all steps.
-struct Throughout {
-    static std::uint8_t occupied(const Walk& walk, std::size_t i) {
-        return walk.windows[walk.steps[i].window];
-    }
-    struct Place {
-        const float* at;
-        std::ptrdiff_t row, slice;
-    };
-    HWY_INLINE Place place(const Walk& walk, const float* at, std::size_t i) const {
-        return {at + walk.steps[i].offset, walk.row, walk.slice};
-    }
+    Walk(const LocalRays& rays, const OpacityVolume& volume)
+        : groups(rays.groups),
+          count(rays.per_ray),
+          row(volume.row_stride()),
+          slice(volume.slice_stride()),
+          next_y(volume.occupied().window_offset({0, kBlockY, 0})),
+          next_z(volume.occupied().window_offset({0, 0, kBlockZ})) {}
 };
 
 // The light of some rows' rays, and what was lost of it.
@@ -69,13 +66,26 @@ struct Lanes {
     V light[kRowsZ][kRowsY], dark[kRowsZ][kRowsY];
 };
 
-// kX, kY, kZ: whether fractions along this axis are other than 0. kSlopes: whether steps have slopes.
-template<bool kX, bool kY, bool kZ, bool kSlopes>
+// What a sample takes of the light.
+struct One {
+    static constexpr std::size_t kCheck = volume::kCheck;
+    static constexpr float kOpaque = volume::kOpaque;
+    static constexpr bool kRestIsTaken = false;  // what is not seen any more, by the next sample
+
+    static HWY_INLINE void take(const LocalPlan::Step& step, V opacity, V& light, V& dark) {
+        const V taken = hn::Mul(light, opacity);
+        light = hn::Sub(light, taken);
+        dark = hn::MulAdd(taken, hn::Set(F(), step.weight), dark);
+    }
+};
+
+// kX, kY, kZ: whether fractions along this axis are other than 0.
+template<bool kX, bool kY, bool kZ, class Sample>
 HWY_INLINE void take_sample(const LocalPlan::Step& step, const float* HWY_RESTRICT at, std::ptrdiff_t row,
                             std::ptrdiff_t slice, Lanes& lanes) {
     const F f;
     const V fx = hn::Set(f, step.fraction[0]), fy = hn::Set(f, step.fraction[1]),
-            fz = hn::Set(f, step.fraction[2]), weight = hn::Set(f, step.weight);
+            fz = hn::Set(f, step.fraction[2]);
     const auto lerp = [](V low, V high, V t) HWY_ATTR { return hn::MulAdd(hn::Sub(high, low), t, low); };
     const auto along_x = [&](const float* p) HWY_ATTR {
         if constexpr (kX) return lerp(loaded_once(hn::LoadU(f, p)), hn::LoadU(f, p + 1), fx);
@@ -104,19 +114,25 @@ HWY_INLINE void take_sample(const LocalPlan::Step& step, const float* HWY_RESTRI
 #pragma GCC unroll 8
             for (std::size_t y = 0; y < kRowsY; ++y) {
                 const V opacity = kZ ? lerp(below[y], here[y], fz) : here[y];
-                V &t = lanes.light[z - kBack][y], &d = lanes.dark[z - kBack][y];
-                const V taken = hn::Mul(t, opacity);
-                t = hn::Sub(t, taken);
-                if constexpr (kSlopes)
-                    d = hn::MulAdd(taken, hn::MulAdd(opacity, hn::Set(f, step.slope), weight), d);
-                else
-                    d = hn::MulAdd(taken, weight, d);
+                Sample::take(step, opacity, lanes.light[z - kBack][y], lanes.dark[z - kBack][y]);
             }
         }
 #pragma GCC unroll 8
         for (std::size_t y = 0; y < kRowsY; ++y) below[y] = here[y];
     }
 }
+
+// Where a step's samples are, and whether there can be matter: those of a walk's own volume.
+struct Throughout {
+    static std::uint8_t occupied(const Walk& walk, std::size_t i) {
+        return walk.windows[walk.steps[i].window];
+    }
+    template<bool kX, bool kY, bool kZ, class Sample>
+    HWY_INLINE void take(const Walk& walk, const float* HWY_RESTRICT at, std::size_t i, Lanes& lanes) const {
+        const LocalPlan::Step& step = walk.steps[i];
+        take_sample<kX, kY, kZ, Sample>(step, at + step.offset, walk.row, walk.slice, lanes);
+    }
+};
 
 HWY_INLINE void begin(Lanes& lanes) {
     const F f;
@@ -131,34 +147,40 @@ HWY_INLINE void begin(Lanes& lanes) {
 
 // Steps [first, last) of a ray of kRowsY x kRowsZ rows from the vector of voxels at `at` on. False where no
 // light is left. Rays may be walked in parts: what is left is looked at where it would be if they were not.
-template<bool kX, bool kY, bool kZ, bool kSlopes, class Where = Throughout>
+template<bool kX, bool kY, bool kZ, class Sample = One, class Where = Throughout>
 HWY_INLINE bool walk_steps(const Walk& walk, const float* HWY_RESTRICT at, std::size_t first,
                            std::size_t last, Lanes& lanes, const Where& where = {}) {
     const F f;
     while (first < last) {
-        const std::size_t check = std::min(first / kCheck * kCheck + kCheck, walk.count),
+        const std::size_t check =
+                              std::min(first / Sample::kCheck * Sample::kCheck + Sample::kCheck, walk.count),
                           end = std::min(check, last);
         unsigned wanted = 0;
         for (std::size_t i = first; i < end; ++i)
             wanted |= static_cast<unsigned>(where.occupied(walk, i)) << (i - first);
         const std::size_t begin = first;
         first = end;
-        if (wanted == 0 && begin % kCheck == 0) continue;
+        if (wanted == 0 && begin % Sample::kCheck == 0) continue;
         while (wanted != 0) {
             const std::size_t i = begin + hwy::Num0BitsBelowLS1Bit_Nonzero32(wanted);
-            const auto place = where.place(walk, at, i);
-            take_sample<kX, kY, kZ, kSlopes>(walk.steps[i], place.at, place.row, place.slice, lanes);
+            where.template take<kX, kY, kZ, Sample>(walk, at, i, lanes);
             wanted &= wanted - 1;
         }
         if (end != check) break;
-        const V limit = hn::Set(f, kOpaque);
+        const V limit = hn::Set(f, Sample::kOpaque);
         V most = hn::Zero(f);
 #pragma GCC unroll 8
         for (std::size_t z = 0; z < kRowsZ; ++z)
 #pragma GCC unroll 8
             for (std::size_t y = 0; y < kRowsY; ++y) {
                 V& light = lanes.light[z][y];
-                light = hn::IfThenElseZero(hn::Ge(light, limit), light);
+                const auto seen = hn::Ge(light, limit);
+                if constexpr (Sample::kRestIsTaken) {
+                    const float next = check < walk.count ? walk.steps[check].weight : 0;
+                    V& dark = lanes.dark[z][y];
+                    dark = hn::MulAdd(hn::IfThenZeroElse(seen, light), hn::Set(f, next), dark);
+                }
+                light = hn::IfThenElseZero(seen, light);
                 most = hn::Max(most, light);
             }
         if (hn::AllTrue(f, hn::Eq(most, hn::Zero(f)))) return false;
@@ -171,13 +193,8 @@ HWY_INLINE V in_quanta(bool whole, V dark) {
     return whole ? hn::Round(dark) : dark;
 }
 
-// All of a ray; adds what was lost of it to `sums`.
-template<bool kX, bool kY, bool kZ, bool kSlopes>
-void walk_ray(const Walk& walk, const float* HWY_RESTRICT at, bool whole, float* HWY_RESTRICT sums) {
+HWY_INLINE void add_lost(const Lanes& lanes, bool whole, float* HWY_RESTRICT sums) {
     const F f;
-    Lanes lanes;
-    begin(lanes);
-    walk_steps<kX, kY, kZ, kSlopes>(walk, at, 0, walk.count, lanes);
 #pragma GCC unroll 8
     for (std::size_t z = 0; z < kRowsZ; ++z)
 #pragma GCC unroll 8
@@ -187,12 +204,18 @@ void walk_ray(const Walk& walk, const float* HWY_RESTRICT at, bool whole, float*
         }
 }
 
+// All of a ray; adds what was lost of it to `sums`.
+template<bool kX, bool kY, bool kZ>
+void walk_ray(const Walk& walk, const float* HWY_RESTRICT at, bool whole, float* HWY_RESTRICT sums) {
+    Lanes lanes;
+    begin(lanes);
+    walk_steps<kX, kY, kZ>(walk, at, 0, walk.count, lanes);
+    add_lost(lanes, whole, sums);
+}
+
 using WalkRay = void(const Walk& walk, const float* HWY_RESTRICT at, bool whole, float* HWY_RESTRICT sums);
-template<bool kSlopes>
-constexpr WalkRay* kWalks[] = {walk_ray<false, false, false, kSlopes>, walk_ray<true, false, false, kSlopes>,
-                               walk_ray<false, true, false, kSlopes>,  walk_ray<true, true, false, kSlopes>,
-                               walk_ray<false, false, true, kSlopes>,  walk_ray<true, false, true, kSlopes>,
-                               walk_ray<false, true, true, kSlopes>,   walk_ray<true, true, true, kSlopes>};
+// One for each set of axes along which a ray's fractions are other than 0.
+using WalkRays = std::array<WalkRay*, 8>;
 
 // Calls use(x, y, z, row) for the vectors of a block's rows that are walked together: their first voxel, and
 // where it is among a block's own floats.
@@ -205,59 +228,71 @@ HWY_INLINE void for_rows(const Use& use) {
                     static_cast<std::ptrdiff_t>(z), (z * kBlockY + y) * kBlockX + x);
 }
 
-// What of a block lies in the grid, a row of kBlockX floats after the other.
-inline void store_block(const Grid& grid, std::size_t x, std::size_t y, std::size_t z, const float* from,
-                        float* visibility) {
+// What of a block lies in the grid, a row of kBlockX floats after the other; the rows of a group's, kApart
+// rows and slices apart.
+template<std::size_t kApart = 1>
+void store_block(const Grid& grid, std::size_t x, std::size_t y, std::size_t z, const float* from,
+                 float* visibility) {
     const std::size_t columns = std::min(kBlockX, grid.nx - x);
-    for (std::size_t k = 0; k < std::min(kBlockZ, grid.nz - z); ++k)
-        for (std::size_t j = 0; j < std::min(kBlockY, grid.ny - y); ++j)
+    for (std::size_t k = 0; k < kBlockZ && z + kApart * k < grid.nz; ++k)
+        for (std::size_t j = 0; j < kBlockY && y + kApart * j < grid.ny; ++j)
             std::copy_n(from + (k * kBlockY + j) * kBlockX, columns,
-                        visibility + grid.index(x, y + j, z + k));
+                        visibility + grid.index(x, y + kApart * j, z + kApart * k));
 }
 
-template<bool kSlopes>
-void local_of_tile(const LocalJob& job, const Tile& tile) {
-    constexpr std::size_t kBlocks = kTileBlocksX * kTileBlocksY * kTileBlocksZ;
-    HWY_ALIGN float dark[kBlocks * kBlock];
+// What is left of a block's light.
+inline void to_factors(const LocalPlan& plan, float* block) {
     const F f;
+    const V open = hn::Set(f, plan.open), quantum = hn::Set(f, plan.quantum);
+    for (std::size_t r = 0; r < kBlock; r += hn::Lanes(f)) {
+        const V left = hn::Max(hn::Zero(f), hn::Sub(open, hn::Load(f, block + r)));
+        hn::Store(hn::Mul(left, quantum), f, block + r);
+    }
+}
+
+// Blocks by their lowest voxels, at most a tile's; of kApart 2 groups of 1 x 2 x 2.
+struct Corners {
+    std::array<std::array<std::size_t, 3>, kTileBlocksX * kTileBlocksY * kTileBlocksZ> at;
+    std::size_t count = 0;
+
+    void add(std::size_t x, std::size_t y, std::size_t z) { at[count++] = {x, y, z}; }
+};
+
+// Ray by ray, so that a ray's steps are at hand for all of the blocks.
+template<std::size_t kApart>
+void walk_blocks(const LocalJob& job, const Corners& corners, const WalkRays& walks) {
+    HWY_ALIGN float dark[std::tuple_size_v<decltype(Corners::at)> * kBlock];
     const OpacityVolume& volume = *job.opacity;
     const LocalPlan& plan = *job.plan;
     const LocalRays& rays = *plan.rays;
-    const Grid& grid = volume.grid();
-    struct Place {
-        std::size_t x, y, z;
-        const float* at;
-        const std::uint8_t* windows;
-        float* dark;
-    } places[kBlocks];
-    std::size_t count = 0;
-    for_blocks(grid, tile, [&](std::size_t, std::size_t x, std::size_t y, std::size_t z) {
-        Place& place = places[count];
-        place = {x, y, z, volume.row(y, z) + x, volume.occupied().window(x, y, z), dark + count * kBlock};
-        std::fill_n(place.dark, kBlock, 0.0f);
-        ++count;
-    });
+    std::fill_n(dark, corners.count * kBlock, 0.0f);
+    Walk walk(rays, volume);
     for (std::size_t k = 0; k < rays.count; ++k) {
-        Walk walk{plan.steps.data() + k * rays.per_ray, rays.per_ray, volume.row_stride(),
-                  volume.slice_stride(), nullptr};
-        WalkRay* const walk_one = kWalks<kSlopes>[plan.inside[k]];
-        for (std::size_t i = 0; i < count; ++i) {
-            const Place& place = places[i];
-            walk.windows = place.windows;
-            for_rows([&](std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z, std::size_t row) {
-                walk_one(walk, place.at + (x + y * walk.row + z * walk.slice), plan.whole, place.dark + row);
+        walk.steps = plan.steps.data() + k * rays.per_ray;
+        WalkRay* const walk_one = walks[plan.inside[k]];
+        for (std::size_t i = 0; i < corners.count; ++i) {
+            const auto [x, y, z] = corners.at[i];
+            const float* const first = volume.row(y, z) + x;
+            walk.windows = volume.occupied().window(x, y, z);
+            for_rows([&](std::ptrdiff_t gx, std::ptrdiff_t gy, std::ptrdiff_t gz, std::size_t row) {
+                constexpr auto apart = static_cast<std::ptrdiff_t>(kApart);
+                walk_one(walk, first + (gx + apart * (gy * walk.row + gz * walk.slice)), plan.whole,
+                         dark + i * kBlock + row);
             });
         }
     }
-    const V open = hn::Set(f, plan.open), quantum = hn::Set(f, plan.quantum);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Place& place = places[i];
-        for (std::size_t r = 0; r < kBlock; r += hn::Lanes(f)) {
-            const V left = hn::Max(hn::Zero(f), hn::Sub(open, hn::Load(f, place.dark + r)));
-            hn::Store(hn::Mul(left, quantum), f, place.dark + r);
-        }
-        store_block(grid, place.x, place.y, place.z, place.dark, job.visibility);
+    for (std::size_t i = 0; i < corners.count; ++i) {
+        const auto [x, y, z] = corners.at[i];
+        to_factors(plan, dark + i * kBlock);
+        store_block<kApart>(volume.grid(), x, y, z, dark + i * kBlock, job.visibility);
     }
+}
+
+inline void local_of_tile(const LocalJob& job, const Tile& tile, const WalkRays& walks) {
+    Corners corners;
+    for_blocks(job.opacity->grid(), tile,
+               [&](std::size_t, std::size_t x, std::size_t y, std::size_t z) { corners.add(x, y, z); });
+    walk_blocks<1>(job, corners, walks);
 }
 
 #endif

@@ -46,16 +46,23 @@ std::vector<glm::dvec3> fibonacci_directions(std::size_t count) {
 
 namespace {
 
-// Approximate rays: so many samples are exact, all others are taken three at a time. What an error costs
-// falls with the number of samples and with the distance.
-std::size_t near_samples(std::size_t kept) {
-    const std::size_t near = std::max<std::size_t>(5, (250 + kept) / (kept + 1));
-    return kept <= near ? kept : near + (kept - near) % 3;
+// Approximate rays. What an error costs falls with the number of samples and with the distance: the last
+// samples are taken four at a time, those before by twos, the first ones singly.
+RayGroups approximate_groups(std::size_t kept) {
+    std::size_t left = kept;
+    const auto take = [&](std::size_t most, std::size_t size) {
+        const std::size_t taken = std::min(most, left / size);
+        left -= taken * size;
+        return taken;
+    };
+    RayGroups groups;
+    groups.ones = take(std::max<std::size_t>(3, 150 / (kept + 1)), 1);
+    groups.twos = take(5, 2);
+    groups.fours = take(kept, 4);
+    groups.twos += take(1, 2);
+    groups.ones += left;
+    return groups;
 }
-
-// Of three samples of one opacity the first takes the most: of the light b that they take together, on the
-// average at the second but s b, where s grows from 0.22 to 0.52 with b up to 0.9.
-constexpr double kSooner = 0.38;
 
 }  // namespace
 
@@ -68,9 +75,10 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
                    std::pmr::vector<glm::dvec3>(options.directions.begin(), options.directions.end(), memory),
                    std::pmr::vector<float>(memory),
                    std::pmr::vector<RayStep>(memory)};
-    const std::size_t kept = rays.kept(), near = options.approximate ? near_samples(kept) : kept;
-    rays.approximate = options.approximate;
-    rays.per_ray = near + (kept - near) / 3;
+    const std::size_t kept = rays.kept();
+    rays.groups = options.approximate ? approximate_groups(kept) : RayGroups{kept, 0, 0};
+    rays.approximate = rays.groups.ones < kept;
+    rays.per_ray = rays.groups.steps();
     rays.steps.reserve(rays.count * rays.per_ray);
     const glm::dvec3 spacing(grid.hx, grid.hy, grid.hz);
     if (options.world) rays.step /= spacing;
@@ -81,13 +89,17 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
         rays.weights.push_back(static_cast<float>(share));
         open += share;
         const glm::dvec3 voxels = options.directions[k] * rays.step;
-        for (std::size_t n = 1; n <= rays.per_ray; ++n) {
-            const std::size_t i = n <= near ? n : 3 * n - 2 * near - 1;
+        double before = 0;  // samples
+        for (std::size_t n = 0; n < rays.per_ray; ++n) {
+            const double size = n < rays.groups.ones                      ? 1
+                                : n < rays.groups.ones + rays.groups.twos ? 2
+                                                                          : 4,
+                         i = before + 0.5 * (1 + size);
+            before += size;
             RayStep step{};
-            step.far = n > near;
             for (int axis = 0; axis < 3; ++axis) {
                 const auto a = static_cast<std::size_t>(axis);
-                double at = voxels[axis] * static_cast<double>(i);
+                double at = voxels[axis] * i;
                 // A direction's rounding error must not make a sample on a plane of voxels lie beside it.
                 constexpr double kOnPlane = 1e-6;
                 if (std::abs(at - std::round(at)) < kOnPlane) at = std::round(at);
@@ -97,10 +109,12 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
                 rays.low[a] = std::min(rays.low[a], step.offset[a]);
                 rays.high[a] = std::max(rays.high[a], step.offset[a] + (step.fraction[a] > 0 ? 1 : 0));
             }
-            step.weight = static_cast<float>(share * static_cast<double>(rays.samples - i) /
-                                             static_cast<double>(rays.samples));
-            if (step.far)
-                step.slope = static_cast<float>(share * kSooner / static_cast<double>(rays.samples));
+            // The light b that s samples of one opacity take is taken sooner than at their middle: the first
+            // ones get more of it. On the average by b (s^2 - 1) / 12 s samples if they take little.
+            const double each = share / static_cast<double>(rays.samples),
+                         slope = (size * size - 1) / (12 * size) * each;
+            step.weight = static_cast<float>((static_cast<double>(rays.samples) - i) * each + slope);
+            step.slope = static_cast<float>(slope);
             rays.steps.push_back(step);
         }
     }

@@ -27,10 +27,16 @@ struct RayStep {
     // What the light that this sample takes away costs the voxel: of equation 2's M terms those from i + 1 on
     // have its factor, so (M - i) / M, times w_k / K.
     float weight;
-    // Approximate rays, far steps: the sample stands for the ones beside it too, its opacity is that of
-    // three. What a sample takes away costs weight + slope * opacity: the more opaque, the sooner.
+    // Approximate rays: a step between s samples stands for all of them, and lets (1 - a)^s pass. What it
+    // takes away costs weight - slope (1 - a)^s: the more opaque, the sooner.
     float slope = 0;
-    bool far = false;
+};
+
+// A ray's steps, from the voxel on: how many stand for one sample, how many for two, how many for four.
+struct RayGroups {
+    std::size_t ones = 0, twos = 0, fours = 0;
+
+    std::size_t steps() const { return ones + twos + fours; }
 };
 
 // Turns of rays at random, other ones at every voxel.
@@ -50,6 +56,7 @@ struct LocalRays {
     // per_ray of each. A ray's last sample is not among them: equation 2 multiplies nothing by its opacity.
     std::pmr::vector<RayStep> steps;
     std::size_t per_ray = 0;  // kept(), or fewer if approximate
+    RayGroups groups{};       // these
     bool approximate = false;
     // Voxels that are read lie within [x + low, x + high].
     std::array<std::int32_t, 3> low{}, high{};

