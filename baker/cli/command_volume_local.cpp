@@ -1,5 +1,7 @@
 // `dfield volume lao` and `dfield volume cao`.
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "baker/cli/arguments.hpp"
 #include "baker/cli/command_volume.hpp"
@@ -47,6 +49,18 @@ Json local_json(const LocalCommand& command, const Volume& volume, const Runtime
     return json;
 }
 
+// The fastest of --repetitions.
+double time_lao(const LocalCommand& command, const RuntimeVolume& runtime, const LocalSettings& settings,
+                std::vector<float>& visibility) {
+    double seconds = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < command.repetitions; ++i)
+        seconds = std::min(seconds, runtime.timed([&] {
+            local_ao_volume(runtime.context(), runtime.samples(), settings.opacity(), settings.local(),
+                            visibility.data());
+        }));
+    return seconds;
+}
+
 void run_lao(const LocalCommand& command) {
     check_output_volume(command.output);
     const TransferFunction transfer = read_transfer_function(command.transfer_file);
@@ -54,14 +68,7 @@ void run_lao(const LocalCommand& command) {
     const Volume volume = read_volume_input(command.input);
     const RuntimeVolume runtime(command.input.file, volume, command.common.threads);
     std::vector<float> visibility(runtime.voxels());
-    double seconds = 0;
-    for (int i = 0; i < command.repetitions; ++i) {
-        const double once = runtime.timed([&] {
-            local_ao_volume(runtime.context(), runtime.samples(), settings.opacity(), settings.local(),
-                            visibility.data());
-        });
-        seconds = i == 0 ? once : std::min(seconds, once);
-    }
+    const double seconds = time_lao(command, runtime, settings, visibility);
     write_visibility(command, volume.grid, visibility.data());
     const double rate = settings.samples(runtime.voxels()) / seconds / 1e9;
     say(command.common.json,
@@ -106,14 +113,7 @@ void run_cao(const LocalCommand& command) {
         session->update();  // unclipped, once
     });
     std::vector<float> whole(runtime.voxels());
-    double seconds_lao = 0;
-    for (int i = 0; i < command.repetitions; ++i) {
-        const double once = runtime.timed([&] {
-            local_ao_volume(runtime.context(), runtime.samples(), settings.opacity(), settings.local(),
-                            whole.data());
-        });
-        seconds_lao = i == 0 ? once : std::min(seconds_lao, once);
-    }
+    const double seconds_lao = time_lao(command, runtime, settings, whole);
 
     const auto voxels = static_cast<double>(runtime.voxels());
     std::vector<std::optional<std::uint32_t>> ids;
@@ -189,12 +189,11 @@ void add_shared(CLI::App& app, LocalCommand& command) {
            "Transfer function: JSON {\"points\": [[value, opacity], ...]}, or lines of text: value opacity")
         ->required();
     app.add_flag("--gzip", command.gzip, "Compress what is written; ParaView reads raw voxels only");
-    app.add_option("--repetitions", command.repetitions, "Runs of LAO for its time; the fastest counts")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
+    add_repetitions_option(app, command.repetitions, "Runs of LAO for its time; the fastest counts");
     add_local_options(app, command.local);
     app.add_option("--samples", command.local.samples, "The same as --ray-samples")
         ->check(CLI::Range(1u, DFIELD_MAX_LOCAL_SAMPLES))
+        ->excludes(app.get_option("--ray-samples"))
         ->group("Local ambient occlusion");
     add_common_options(app, command.common, "all cores");
 }

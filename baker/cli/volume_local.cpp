@@ -30,10 +30,11 @@ std::vector<double> parse_numbers(std::string list, const std::string& where) {
     return numbers;
 }
 
-glm::dmat4 matrix_of(const std::vector<double>& numbers, const std::string& where) {
+// `blame`: the exit code where it is none.
+glm::dmat4 matrix_of(const std::vector<double>& numbers, const std::string& where, ExitCode blame) {
     if (numbers.size() != 16)
-        throw InputError(
-            where + text(": a pose is 16 numbers, a 4 x 4 matrix column by column, not %zu", numbers.size()));
+        throw Error(blame, where + text(": a pose is 16 numbers, a 4 x 4 matrix column by column, not %zu",
+                                        numbers.size()));
     glm::dmat4 matrix;
     for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
     return matrix;
@@ -191,7 +192,8 @@ ClipScene::ClipScene(const ClipOptions& options, const Context& context, const V
         const Bounds bounds = triangle_bounds(mesh);
         centres_.emplace_back(bounds.centre());
         if (i < options.poses.size()) {
-            first.emplace_back(matrix_of(parse_numbers(options.poses[i], "--pose"), "--pose"));
+            first.emplace_back(
+                matrix_of(parse_numbers(options.poses[i], "--pose"), "--pose", ExitCode::kUsage));
         } else {
             const double scale = diagonal / 3 / static_cast<double>(glm::length(bounds.size()));
             first.emplace_back(glm::translate(glm::dmat4(1), middle) *
@@ -219,7 +221,7 @@ void ClipScene::read_frames(const std::string& file) {
                 throw InputError(where + text(": 'mesh' must be 0..%zu", poses.size() - 1));
             const auto mesh = index.get<std::size_t>();
             if (change.contains("pose")) {
-                poses[mesh] = matrix_of(numbers_at(change, "pose", where), where);
+                poses[mesh] = matrix_of(numbers_at(change, "pose", where), where, ExitCode::kInput);
             } else {
                 glm::dmat4 pose = *start[mesh];
                 const glm::dvec3 centre(pose * glm::dvec4(centres_[mesh], 1));

@@ -126,7 +126,8 @@ TransferFunction parse_transfer_function(std::string_view text, const std::strin
     constexpr const char* kForm =
         R"({"points": [[value, opacity], ...], "colors": [[value, red, green, blue], ...]})";
     if (!json.is_object() || !json.contains("points") || !json["points"].is_array())
-        throw InputError(name + ": is no transfer function, which is JSON: " + kForm);
+        throw InputError(name + ": is no transfer function, which is JSON: " + kForm +
+                         ", or lines of text: value opacity");
     std::vector<TransferFunction::Opacity> points;
     for (const auto& entry : json["points"]) {
         const auto n =

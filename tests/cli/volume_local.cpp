@@ -208,7 +208,9 @@ TEST_CASE("volume lao and cao refuse what makes no sense") {
     const Run open = scene.volume("cao", {"--tf", "tf.json", "--clip", "open.obj"});
     CHECK(open.exit_code == 3);
     CHECK(contains(open.err, "not closed"));
-    CHECK(scene.volume("cao", {"--tf", "tf.json", "--clip", "cube.obj", "--pose", "1,2,3"}).exit_code == 3);
+    CHECK(scene.volume("cao", {"--tf", "tf.json", "--clip", "cube.obj", "--pose", "1,2,3"}).exit_code == 2);
+    CHECK(scene.volume("lao", {"--tf", "tf.json", "-o", "a.nrrd", "--samples", "4", "--ray-samples", "5"})
+              .exit_code == 2);
     CHECK(
         scene.volume("cao", {"--tf", "tf.json", "--clip", "cube.obj", "--frames", "frames.json"}).exit_code ==
         3);

@@ -335,6 +335,7 @@ TEST_CASE("transfer functions are piecewise linear and constant beyond their end
     CHECK(parse_transfer_function(R"({"points": [[1, 0.5]]})", "a.json").colour(7) == glm::vec3(1));
     for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
              {"", "no transfer function"},
+             {" \n", "or lines of text: value opacity"},
              {"[]", "no transfer function"},
              {"{}", "no transfer function"},
              {R"({"points": 3})", "no transfer function"},
