@@ -163,6 +163,19 @@ TEST_CASE("An open plane", "[screen]") {
     CHECK(printed(DFIELD_MEASURE_QUADRATIC) == Approx(2.0 / 3).margin(0.01));
 }
 
+TEST_CASE("The pipe through a pixel's own middle stands for the pixel", "[screen]") {
+    // An open plane's O is 1 by each measure, but for what so few pipes make of it: R is five pixels.
+    const Picture picture = take(plane({0, 0, 1}, -3), 41, 41, orthographic(2.05, 2.05));
+    for (std::uint32_t measure = 0; measure <= DFIELD_MEASURE_EXPONENTIAL; ++measure) {
+        dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_DISK, 0.5f, 16);
+        desc.weights = DFIELD_WEIGHTS_PLAIN;
+        desc.measure = measure;
+        desc.sigma = 4;
+        INFO("measure " << measure);
+        CHECK(integral(picture, desc, {41 * 20 + 20}).visibility[0] == Approx(1).margin(0.06));
+    }
+}
+
 TEST_CASE("Fuzzy measures", "[screen]") {
     dfield_screen_desc desc = screen_defaults();
     desc.radius = 2;
