@@ -88,11 +88,13 @@ ScreenCamera camera_for(const ScreenInput& input, const ImportedScene& scene, co
                                     : frame_perspective(bounds, view, up, input.fov.value_or(kFov), aspect);
         words = "framed";
     }
-    if (input.orthographic) {
-        camera.orthographic = true;
-        if (*input.orthographic > 0) camera.half_height = 0.5f * *input.orthographic;
-        camera.half_width = aspect * camera.half_height;
-    }
+    if (!input.orthographic) return camera;
+    if (*input.orthographic == 0)  // from where the camera looks: its own size is an angle
+        return frame_orthographic(bounds, glm::vec3(camera.to_world[2]), glm::vec3(camera.to_world[1]),
+                                  aspect);
+    camera.orthographic = true;
+    camera.half_height = 0.5f * *input.orthographic;
+    camera.half_width = aspect * camera.half_height;
     return camera;
 }
 
@@ -102,8 +104,9 @@ glm::vec3 default_sun(const ScreenCamera& camera, const glm::vec3& up) {
     return -0.55f * right + 1.0f * glm::normalize(up) + 0.45f * back;
 }
 
-std::unique_ptr<ImportedScene> imported(const std::string& file) {
-    auto scene = std::make_unique<ImportedScene>(import_scene(file, {.looks = true}));
+std::unique_ptr<ImportedScene> imported(const std::string& file, float crease_degrees) {
+    auto scene = std::make_unique<ImportedScene>(
+        import_scene(file, {.crease_degrees = crease_degrees, .looks = true}));
     note_flat_nodes(*scene);
     warn_of(file, scene->report);
     return scene;
@@ -133,6 +136,13 @@ void add_screen_input(CLI::App& command, ScreenInput& input) {
         ->capture_default_str();
     command.add_option("--scene", input.reference_scene,
                        "The scene that a G-buffer shows, in the world of its to_world, for rms_grey_world");
+    command
+        .add_option(
+            "--crease", input.crease_degrees,
+            "Where the scene's file has no normals: faces that meet at more than this many degrees do "
+            "not smooth")
+        ->capture_default_str()
+        ->check(number_between(0, 180));
     command
         .add_option("--camera", input.camera,
                     "A camera of the glTF, by its name; default: its first; the whole scene framed where it "
@@ -191,11 +201,14 @@ ScreenSubject load_screen_subject(const ScreenInput& input, const CommonOptions&
     ScreenSubject subject;
     const bool buffered = is_gbuffer(input.file);
     if (buffered) {
-        for (const bool given : {input.eye.has_value(), input.view.has_value(), !input.camera.empty()})
+        for (const bool given : {input.eye.has_value(), input.target.has_value(), input.view.has_value(),
+                                 !input.camera.empty(), input.sun.has_value()})
             if (given)
-                throw Error(ExitCode::kUsage, input.file +
-                                                  " is a G-buffer, whose camera is where it was; "
-                                                  "--eye, --view and --camera are for scenes");
+                throw Error(
+                    ExitCode::kUsage,
+                    input.file +
+                        " is a G-buffer, whose camera is where it was and whose light is its radiance; "
+                        "--eye, --target, --view, --camera and --sun are for scenes");
         ScreenCamera lens;
         lens.orthographic = input.orthographic.has_value();
         lens.half_height = lens.orthographic ? 0.5f * *input.orthographic
@@ -205,14 +218,14 @@ ScreenSubject load_screen_subject(const ScreenInput& input, const CommonOptions&
         subject.buffer = read_gbuffer(input.file, input.fov || input.orthographic ? &lens : nullptr);
         subject.camera = "its own";
         if (!input.reference_scene.empty()) {
-            subject.scene = imported(input.reference_scene);
+            subject.scene = imported(input.reference_scene, input.crease_degrees);
             subject.lit = std::make_unique<LitScene>(*subject.scene);
         }
     } else {
         if (!input.reference_scene.empty())
             throw Error(ExitCode::kUsage, "--scene goes with a G-buffer; " + input.file + " is a scene");
         const Size size = size_of(input.size);
-        subject.scene = imported(input.file);
+        subject.scene = imported(input.file, input.crease_degrees);
         const auto start = std::chrono::steady_clock::now();
         subject.lit = std::make_unique<LitScene>(*subject.scene);
         const ScreenCamera camera =

@@ -14,12 +14,13 @@
 
 namespace dfield::cli {
 
-// SCENE|GBUFFER --size --scene, and the groups "Camera" and "Light".
+// SCENE|GBUFFER --size --scene --crease, and the groups "Camera" and "Light".
 struct ScreenInput {
     std::string file, reference_scene, camera, size = "800x600";
     std::optional<std::array<float, 3>> eye, target, view, sun;
     std::array<float, 3> up{0, 1, 0}, background{0.62f, 0.76f, 0.9f}, sun_colour{0.9f, 0.85f, 0.75f};
     std::optional<float> fov, orthographic;
+    float crease_degrees = 180;
 };
 void add_screen_input(CLI::App& command, ScreenInput& input);
 

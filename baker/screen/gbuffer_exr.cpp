@@ -105,7 +105,7 @@ class ExrReader {
         insert(kRadiance, buffer.radiance);
         file_.setFrameBuffer(frame_);
         file_.readPixels(file_.header().dataWindow().min.y, file_.header().dataWindow().max.y);
-        if (depth_is_device(where_, description))
+        if (depth_is_device(where_, description, buffer.camera))
             for (float& value : buffer.depth) value = depth_of_device(buffer.camera, value);
         return buffer;
     }

@@ -122,13 +122,18 @@ ScreenCamera read_camera_json(const std::string& file, const json& description, 
     return camera;
 }
 
-bool depth_is_device(const std::string& where, const json& description) {
+bool depth_is_device(const std::string& where, const json& description, const ScreenCamera& camera) {
     const auto depth = description.find("depth");
     if (depth == description.end() || !depth->is_object()) return false;
     const json encoding = depth->value("encoding", json("linear"));
     if (encoding != "linear" && encoding != "device")
         throw InputError(where + ": depth: encoding is neither linear nor device");
-    return encoding == "device";
+    if (encoding != "device") return false;
+    if (camera.orthographic ? std::isinf(camera.near) || std::isinf(camera.far)
+                            : !(camera.near > 0 && camera.far > 0))
+        throw InputError(where + ": depth: device depths need the camera's near and far, " +
+                         (camera.orthographic ? "both finite" : "both above 0"));
+    return true;
 }
 
 void check_picture_size(const std::string& where, std::uint64_t width, std::uint64_t height,

@@ -22,7 +22,7 @@ ScreenCamera read_camera_json(const std::string& where, const nlohmann::json& de
 // A finite number, or `fallback` where object has none of that name. Throws InputError.
 double read_number(const std::string& where, const nlohmann::json& object, const char* name, double fallback);
 // What description["depth"]["encoding"] says: linear (the default) or device.
-bool depth_is_device(const std::string& where, const nlohmann::json& description);
+bool depth_is_device(const std::string& where, const nlohmann::json& description, const ScreenCamera& camera);
 
 // Throws InputError for sides beyond kMaxScreenSide and for files much too small to hold such a picture, so
 // that a few bytes cannot ask for gigabytes.

@@ -35,7 +35,7 @@ class PngReader {
         buffer_.width = picture.width;
         buffer_.height = picture.height;
         buffer_.camera = read_camera_json(where_, description_, lens, picture.width, picture.height);
-        const bool device = depth_is_device(where_, description_);
+        const bool device = depth_is_device(where_, description_, buffer_.camera);
         const double from = read_number(where_ + ": depth", depth, "from", 0),
                      to = read_number(where_ + ": depth", depth, "to", 1);
         if (!device && !(to > from)) throw InputError(where_ + ": depth: to is not above from");

@@ -123,6 +123,49 @@ TEST_CASE("screen: G-buffers written and read give the same picture") {
                                                    "g-radiance.png", "g.exr", "g.json"});
 }
 
+TEST_CASE("screen: orthographic 0 is the whole scene, whoever looks") {
+    const Shell shell;
+    const std::string harbour = source_file("models/harbour.glb").string();
+    for (const Arguments& from : {Arguments{"--camera", "mole"}, Arguments{"--view", "1", "1", "1"},
+                                  Arguments{"--eye", "7", "6", "15", "--target", "7", "0", "0"}}) {
+        Arguments more{"--orthographic", "0", "--gbuffer", "g.exr"};
+        more.insert(more.end(), from.begin(), from.end());
+        REQUIRE(shell.run(screen(harbour, more)).exit_code == 0);
+        const GBuffer buffer = dfield::read_gbuffer(shell.folder() / "g.exr");
+        CHECK(buffer.camera.orthographic);
+        CHECK(buffer.camera.half_width == Approx(buffer.camera.half_height * 64 / 48));
+        // All of it, and not much more: sky at every border, surfaces close to two of them.
+        const auto seen = [&](bool column, std::uint32_t at) {
+            for (std::uint32_t i = 0; i < (column ? 48u : 64u); ++i)
+                if (dfield::is_surface(buffer.depth[column ? i * 64 + at : at * 64 + i])) return true;
+            return false;
+        };
+        for (const bool column : {false, true}) {
+            CHECK_FALSE(seen(column, 0));
+            CHECK_FALSE(seen(column, column ? 63 : 47));
+        }
+        CHECK(((seen(false, 4) && seen(false, 43)) || (seen(true, 4) && seen(true, 59))));
+    }
+}
+
+TEST_CASE("screen: creases of models without normals") {
+    const Shell shell;
+    const std::string cube = source_file("models/cube_with_hole.obj").string();
+    const auto bent = [&](const char* crease) {  // normals that are not along the cube's axes
+        REQUIRE(shell.run(screen(cube, {"--crease", crease, "--gbuffer", "g.exr"})).exit_code == 0);
+        const GBuffer buffer = dfield::read_gbuffer(shell.folder() / "g.exr");
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < buffer.pixels(); ++i) {
+            if (!dfield::is_surface(buffer.depth[i])) continue;
+            const glm::vec3 normal = glm::abs(glm::mat3(buffer.camera.to_world) * buffer.normals[i]);
+            count += std::max({normal.x, normal.y, normal.z}) < 0.999f;
+        }
+        return count;
+    };
+    CHECK(bent("30") == 0);
+    CHECK(bent("180") > 500);
+}
+
 TEST_CASE("screen: colours bleed where light is indirect") {
     const Shell shell;
     const std::string harbour = source_file("models/harbour.glb").string();
@@ -201,6 +244,8 @@ TEST_CASE("screen: mistakes") {
               "same point"},
              {{"screen", "cube.obj", "-o", "a.png", "--fov", "0"}, 2, "--fov"},
              {{"screen", "cube.obj", "-o", "a.png", "--scene", "cube.obj"}, 2, "goes with a G-buffer"},
+             {{"screen", "g.exr", "-o", "a.png", "--target", "1", "1", "1"}, 2, "g.exr is a G-buffer"},
+             {{"screen", "g.exr", "-o", "a.png", "--sun", "1", "1", "1"}, 2, "its radiance"},
              {{"screen", "cube.obj", "--gbuffer", "a.tif"}, 2, ".exr"},
              {{"screen", "cube.obj", "-o", "a.png", "--camera", "none"}, 3, "no camera 'none'"},
              {{"screen", "none.obj", "-o", "a.png"}, 3, "none.obj: no such file"},

@@ -11,6 +11,17 @@ namespace {
 constexpr std::uint32_t kLast = DFIELD_ESTIMATOR_MARCH;
 constexpr dfield_simd kBoth[] = {DFIELD_SIMD_BEST, DFIELD_SIMD_SCALAR};
 
+// Squares of colours, so that it matters which surfaces count how much.
+Picture coloured(Picture picture) {
+    constexpr std::uint32_t kSide = 5;
+    for (std::uint32_t i = 0; i < picture.size(); ++i) {
+        Random random(i % picture.width / kSide + 1000 * (i / picture.width / kSide));
+        for (std::size_t k = 0; k < 3; ++k)
+            picture.radiance[3 * i + k] = static_cast<float>(std::pow(random.uniform(0, 1), 4));
+    }
+    return picture;
+}
+
 // L~ of the disk's samples at a pixel, orthographic: the mean over all pixels within R by 1 - (r/R)^4 and the
 // two tests, each with a darkness of 1e-4; `ratio`: by the density of the samples too, 1 - (distance / R)^2.
 glm::dvec3 radiance_around(const Picture& picture, std::size_t pixel, double radius, bool ratio) {
@@ -43,7 +54,7 @@ glm::dvec3 radiance_around(const Picture& picture, std::size_t pixel, double rad
 
 TEST_CASE("Indirect light of the disk is that of all pixels around", "[screen][light]") {
     // R is 16 pixels, a size that patterns have.
-    const Picture picture = take(room(), 128, 96, orthographic(2, 1.5));
+    const Picture picture = coloured(take(room(), 128, 96, orthographic(2, 1.5)));
     const std::vector<std::uint32_t> pixels = {128 * 60 + 50, 128 * 70 + 64, 128 * 75 + 90, 128 * 40 + 40};
     for (const dfield_screen_weights weights : {DFIELD_WEIGHTS_RATIO, DFIELD_WEIGHTS_PLAIN}) {
         dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_DISK, 0.5f, 2048);
@@ -64,14 +75,15 @@ TEST_CASE("Indirect light of the disk is that of all pixels around", "[screen][l
                 most = std::max(most, shaded);
             }
         }
-        CHECK(most > 0.1f);
+        CHECK(most > 0.05f);
     }
 }
 
 TEST_CASE("Indirect light converges to its integral", "[screen][light]") {
     const Context context;
     for (const bool flat : {false, true}) {
-        const Picture picture = take(room(), 48, 36, flat ? orthographic(1.2, 0.9) : perspective(0.5, 0.375));
+        const Picture picture =
+            coloured(take(room(), 48, 36, flat ? orthographic(1.2, 0.9) : perspective(0.5, 0.375)));
         std::vector<std::uint32_t> pixels;
         for (std::uint32_t i = 0; i < picture.size(); i += 61) pixels.push_back(i);
         for (std::uint32_t estimator = 0; estimator <= kLast; ++estimator) {

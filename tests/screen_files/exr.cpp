@@ -135,7 +135,12 @@ TEST_CASE("EXR: errors say what is missing") {
              {R"({"camera": {"half_width": 1, "half_height": 1,
                   "to_world": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})",
               "mirrors"},
-             {R"({"depth": {"encoding": "logarithmic"}})", "neither linear nor device"}}) {
+             {R"({"depth": {"encoding": "logarithmic"}})", "neither linear nor device"},
+             {R"({"camera": {"half_width": 1, "half_height": 1}, "depth": {"encoding": "device"}})",
+              "near and far, both above 0"},
+             {R"({"camera": {"projection": "orthographic", "half_width": 1, "half_height": 1, "near": 1},
+                  "depth": {"encoding": "device"}})",
+              "near and far, both finite"}}) {
         INFO(attribute);
         CHECK_THAT(error(exr(folder, {"Z"}, 1, Imf::FLOAT,
                              [&text = attribute](Imf::Header& header) {
