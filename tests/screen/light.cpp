@@ -50,33 +50,48 @@ glm::dvec3 radiance_around(const Picture& picture, std::size_t pixel, double rad
     return sum / total;
 }
 
+// Pixels with more visibility have little light, and what is measured of it is rounding.
+constexpr float kOpen = 0.98f;
+
+// L~ = I / (1 - O).
+glm::dvec3 radiance_in(const Shot& shot, std::size_t i) {
+    const auto hidden = static_cast<double>(1 - shot.visibility[i]);
+    return glm::dvec3(static_cast<double>(shot.indirect[3 * i]),
+                      static_cast<double>(shot.indirect[3 * i + 1]),
+                      static_cast<double>(shot.indirect[3 * i + 2])) /
+           hidden;
+}
+
 }  // namespace
 
 TEST_CASE("Indirect light of the disk is that of all pixels around", "[screen][light]") {
-    // R is 16 pixels, a size that patterns have.
-    const Picture picture = coloured(take(room(), 128, 96, orthographic(2, 1.5)));
-    const std::vector<std::uint32_t> pixels = {128 * 60 + 50, 128 * 70 + 64, 128 * 75 + 90, 128 * 40 + 40};
-    for (const dfield_screen_weights weights : {DFIELD_WEIGHTS_RATIO, DFIELD_WEIGHTS_PLAIN}) {
-        dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_DISK, 0.5f, 2048);
-        desc.weights = static_cast<std::uint32_t>(weights);
-        const Shot truth = integral(picture, desc, pixels, true);
-        const Shot shot = shade(picture, desc, Context(), true);
-        float most = 0;
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const glm::dvec3 light =
-                radiance_around(picture, pixels[i], 0.5, weights == DFIELD_WEIGHTS_RATIO) *
-                static_cast<double>(1 - truth.visibility[i]);
-            for (int k = 0; k < 3; ++k) {
-                const auto channel = static_cast<std::size_t>(k);
-                INFO("weights " << weights << " pixel " << pixels[i] << " channel " << k);
-                CHECK(static_cast<double>(truth.indirect[3 * i + channel]) == Approx(light[k]).margin(0.002));
-                const float shaded = shot.indirect[3 * pixels[i] + channel];
-                CHECK(static_cast<double>(shaded) == Approx(light[k]).margin(0.005));
-                most = std::max(most, shaded);
+    std::vector<std::uint32_t> pixels;  // R is 16 pixels, a size that patterns have, and within the picture
+    for (std::uint32_t row = 17; row < 79; row += 9)
+        for (std::uint32_t column = 17; column < 111; column += 7) pixels.push_back(128 * row + column);
+    // In a flat valley surfaces are hardly turned towards each other.
+    const World valley = nearest({plane({0.5, 0, 1}, -3), plane({-0.5, 0, 1}, -3)});
+    for (const World& world : {room(), valley})
+        for (const dfield_screen_weights weights : {DFIELD_WEIGHTS_RATIO, DFIELD_WEIGHTS_PLAIN}) {
+            const Picture picture = coloured(take(world, 128, 96, orthographic(2, 1.5)));
+            dfield_screen_desc desc = plain_desc(DFIELD_ESTIMATOR_DISK, 0.5f, 2048);
+            desc.weights = static_cast<std::uint32_t>(weights);
+            const Shot truth = integral(picture, desc, pixels, true);
+            const Shot shot = shade(picture, desc, Context(), true);
+            double squares = 0;
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < pixels.size(); ++i) {
+                if (truth.visibility[i] > kOpen) continue;
+                ++count;
+                const glm::dvec3 expected =
+                    radiance_around(picture, pixels[i], 0.5, weights == DFIELD_WEIGHTS_RATIO);
+                INFO("weights " << weights << " pixel " << pixels[i]);
+                CHECK(glm::length(radiance_in(truth, i) - expected) < 0.001);
+                const glm::dvec3 off = radiance_in(shot, pixels[i]) - expected;
+                squares += glm::dot(off, off) / 3;
             }
+            CHECK(count > 10);
+            CHECK(std::sqrt(squares / static_cast<double>(count)) < 0.012);
         }
-        CHECK(most > 0.05f);
-    }
 }
 
 TEST_CASE("Indirect light converges to its integral", "[screen][light]") {
@@ -85,19 +100,23 @@ TEST_CASE("Indirect light converges to its integral", "[screen][light]") {
         const Picture picture =
             coloured(take(room(), 48, 36, flat ? orthographic(1.2, 0.9) : perspective(0.5, 0.375)));
         std::vector<std::uint32_t> pixels;
-        for (std::uint32_t i = 0; i < picture.size(); i += 61) pixels.push_back(i);
+        for (std::uint32_t i = 0; i < picture.size(); i += 31) pixels.push_back(i);
         for (std::uint32_t estimator = 0; estimator <= kLast; ++estimator) {
             dfield_screen_desc desc = plain_desc(estimator, 0.6f, 4096);
             desc.march_steps = 8;
             const Shot shot = shade(picture, desc, context, true),
                        truth = integral(picture, desc, pixels, true);
             double squares = 0;
-            for (std::size_t i = 0; i < pixels.size(); ++i)
-                for (std::size_t k = 0; k < 3; ++k)
-                    squares += std::pow(
-                        static_cast<double>(shot.indirect[3 * pixels[i] + k] - truth.indirect[3 * i + k]), 2);
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < pixels.size(); ++i) {
+                if (truth.visibility[i] > kOpen) continue;
+                ++count;
+                const glm::dvec3 off = radiance_in(shot, pixels[i]) - radiance_in(truth, i);
+                squares += glm::dot(off, off) / 3;
+            }
             INFO("flat " << flat << " estimator " << estimator);
-            CHECK(std::sqrt(squares / static_cast<double>(3 * pixels.size())) < 0.003);
+            CHECK(count > 10);
+            CHECK(std::sqrt(squares / static_cast<double>(count)) < 0.012);
         }
     }
 }
