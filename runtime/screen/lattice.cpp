@@ -138,10 +138,10 @@ HWY_INLINE void put_quads(const Lattice& lattice, const Piece& piece, std::int32
     const auto value = [&](int plane) HWY_ATTR { return hn::Load(f, piece.values[plane]); };
     hn::StoreInterleaved4(value(0), value(1), value(2), hn::Zero(f), f, quads[0]);
     hn::StoreInterleaved4(value(3), value(4), value(5), hn::Set(f, 1.0f), f, quads[1]);
-    for (std::size_t i = 0; i < kLanes; ++i) {
-        float* const to = lattice.quads + 8 * lattice.quad(column + static_cast<std::int32_t>(i), row);
-        for (std::size_t half = 0; half < 2; ++half) std::copy_n(quads[half] + 4 * i, 4, to + 4 * half);
-    }
+    float* const to = lattice.quads + 8 * lattice.index(0, 0, column, row);
+    for (std::size_t i = 0; i < kLanes; ++i)
+        for (std::size_t half = 0; half < 2; ++half)
+            std::copy_n(quads[half] + 4 * i, 4, to + 8 * i + 4 * half);
 }
 
 void take_apart_row(const Frame& frame, const Lattice& lattice, std::int32_t row, Piece& piece) {

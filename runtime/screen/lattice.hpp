@@ -29,12 +29,6 @@ struct Lattice {
         return (y * side + x) * picture + (row + 1) * stride + column + kBorder;
     }
 
-    // Of side 1: where a pixel's quads lie. Every fourth column lies side by side, since neighbours with the
-    // same samples look there.
-    std::ptrdiff_t quad(std::int32_t column, std::int32_t row) const {
-        return (row + 1) * stride + column % 4 * (stride / 4) + column / 4;
-    }
-
     std::int32_t side = 1;
     std::int32_t width = 0, height = 0;  // of one picture
     std::ptrdiff_t stride = 0, picture = 0;

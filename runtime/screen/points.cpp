@@ -25,14 +25,14 @@ using dfield::runtime::HWY_NAMESPACE::truncated;
 // many at a time.
 class Light {
   public:
-    // `quads`: a lattice's.
+    // `quads`: those of a lattice from where indices count.
     explicit HWY_INLINE Light(const float* quads) : quads_(quads) {
         const F f;
         for (std::size_t i = 0; i < 4; ++i) hn::Store(hn::Zero(f), f, sums_ + i * kLanes);
     }
     // add_radiance() of the surfaces of some lanes at `point` from s, with its squared length < 1 and how far
     // it is in front of the tangent plane.
-    HWY_INLINE void add(M lanes, const V3& point, V r2, V ahead, VI quad) {
+    HWY_INLINE void add(M lanes, const V3& point, V r2, V ahead, VI index) {
         const F f;
         const I i;
         const V one = set(1), fade = set(16);
@@ -42,7 +42,7 @@ class Light {
         put(hn::Mul(fade, point.y), y_);
         put(hn::Mul(fade, point.z), z_);
         put(hn::Mul(hn::NegMulAdd(r2, r2, one), hn::Min(hn::Mul(fade, ahead), one)), weight_);
-        hn::StoreU(packed(quad), i, quad_ + size_);
+        hn::StoreU(packed(index), i, place_ + size_);
         hn::StoreU(packed(hn::Iota(i, 0)), i, lane_ + size_);
         size_ += hn::CountTrue(f, lanes);
         if (size_ > kMost) add_listed();
@@ -58,7 +58,7 @@ class Light {
     void add_listed() {
         const hn::CappedTag<float, 4> four;
         for (std::size_t i = 0; i < size_; ++i) {
-            const float* const n = quads_ + 8 * std::ptrdiff_t{quad_[i]};
+            const float* const n = quads_ + 8 * std::ptrdiff_t{place_[i]};
             const float turned = -(n[0] * x_[i] + (n[1] * y_[i] + n[2] * z_[i]));
             const auto weight = hn::Set(four, weight_[i] * std::min(std::max(turned, 0.0f), 1.0f));
             float* const sum = sums_ + 4 * lane_[i];
@@ -71,7 +71,7 @@ class Light {
     std::size_t size_ = 0;
     HWY_ALIGN float sums_[4 * kLanes];  // red, green, blue, weight of each lane
     float x_[kMost + kLanes], y_[kMost + kLanes], z_[kMost + kLanes], weight_[kMost + kLanes];
-    std::int32_t quad_[kMost + kLanes], lane_[kMost + kLanes];
+    std::int32_t place_[kMost + kLanes], lane_[kMost + kLanes];
 };
 
 // look_up() of points around some pixels, and v of them.
@@ -104,8 +104,7 @@ class Lookup {
         const V zero = set(0);
         const V column = hn::Min(hn::Max(hn::Add(at.x, from_column_), zero), last_column_);
         const V row = hn::Min(hn::Max(hn::Add(at.y, from_row_), zero), last_row_);
-        const VI to_column = truncated(column), to_row = hn::Mul(truncated(row), stride_);
-        const VI index = hn::Add(to_row, to_column);
+        const VI index = hn::Add(hn::Mul(truncated(row), stride_), truncated(column));
         const V rise = hn::Mul(hn::Sub(pixels_.depth, hn::GatherIndex(F(), lattice_.depth + origin_, index)),
                                per_radius_);
         const M open = hn::Gt(at.z, rise);
@@ -121,15 +120,10 @@ class Lookup {
             const V ahead = hn::MulAdd(pixels_.facing, rise,
                                        hn::MulAdd(pixels_.normal.x, x, hn::Mul(pixels_.normal.y, y)));
             const M counts = hn::And(where, hn::And(hn::Lt(r2, set(1)), hn::Gt(ahead, set(0))));
-            if (hn::AllFalse(F(), counts)) return open;
-            const I i;  // Lattice::quad()
-            const VI place = hn::Sub(to_column, hn::Set(i, 1));
-            const VI quad = hn::Add(hn::Add(to_row, hn::ShiftRight<2>(place)),
-                                    hn::Mul(hn::And(place, hn::Set(i, 3)),
-                                            hn::Set(i, static_cast<std::int32_t>(lattice_.stride / 4))));
-            light.add(counts,
-                      {hn::NegMulAdd(rise, pixels_.r_x, x), hn::NegMulAdd(rise, pixels_.r_y, y), rise}, r2,
-                      ahead, quad);
+            if (!hn::AllFalse(F(), counts))
+                light.add(counts,
+                          {hn::NegMulAdd(rise, pixels_.r_x, x), hn::NegMulAdd(rise, pixels_.r_y, y), rise},
+                          r2, ahead, index);
         }
         return open;
     }
@@ -182,7 +176,7 @@ void points_vector(const EstimateJob& job, const Lattice& lattice, std::int32_t 
     }
     const M shaded = hn::Not(pixels.nothing);
     V visibility = one;
-    Light light(lattice.quads);
+    Light light(kLight ? lattice.quads + 8 * lattice.index(0, 0, -1, -1) : nullptr);
     if (!hn::AllFalse(f, shaded)) {
         const PointSets& sets = *job.points;
         const std::uint32_t x = static_cast<std::uint32_t>(column) % sets.side();
