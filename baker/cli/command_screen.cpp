@@ -130,7 +130,7 @@ void run(ScreenCommand& command) {
                                  {vector_of(command.options.ambient), vector_of(command.input.background)}));
     if (!command.reference_picture.empty())
         write_png(command.reference_picture, screen_picture("visibility", runner.buffer(), rays, {}));
-    json["image"] = command.output;
+    if (!command.output.empty()) json["image"] = command.output;
     if (!command.gbuffer.empty()) json["gbuffer"] = command.gbuffer;
     write_json_report(command.common.json, json);
 }

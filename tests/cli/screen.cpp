@@ -195,6 +195,8 @@ TEST_CASE("screen: fields beyond the radius") {
     REQUIRE(shell.run(with_small_field({"bake", cube, "-o", "f.dfield"})).exit_code == 0);
     const Json file = report(shell, screen(cube, {"--field", "f.dfield", "--radius", "0.15", "--json", "-"}));
     CHECK(file["far"]["field"] == "f.dfield");
+    CHECK(json["image"] == "a.png");
+    CHECK_FALSE(file.contains("image"));
 }
 
 TEST_CASE("screen compare: every estimator") {

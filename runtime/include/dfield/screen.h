@@ -161,8 +161,9 @@ DFIELD_API float dfield_screen_measure(const dfield_screen_desc* desc, float dis
 
 /* Sample sets, and memory for frames of the sizes it has seen. One thread at a time; the context's
    parallel_for splits its work, and results are the same at any number of threads. Levels of SIMD agree
-   within 1e-4 in visibility and 1e-3 of the brightest radiance around in indirect light. Vectorised: DISK
-   with QUARTIC; other estimators and measures run the scalar reference, their filter and outputs aside. */
+   within 1e-4 in visibility, of the value itself where PLAIN is above 1, and 1e-3 of the brightest radiance
+   around in indirect light. Every estimator is vectorised with every measure; DFIELD_SIMD_SCALAR runs the
+   reference. */
 typedef struct dfield_screen dfield_screen;
 
 DFIELD_API dfield_status dfield_screen_create(dfield_context* context, const dfield_screen_desc* desc,
@@ -189,10 +190,10 @@ DFIELD_API dfield_status dfield_screen_shade(dfield_screen* screen, const dfield
                                              const dfield_screen_outputs* outputs);
 
 /* By brute force, what the screen's estimator converges to at some pixels: thousands of lookups each, every
-   pixel of the disk for DISK, 65,536 points for the others (MARCH: 4,096 rays of its march_steps), none of
-   its samples; no interleaving, no filter. `pixels`: `count` indices column +
-   width * row, null for all of the picture in order (count is not read). visibility: count floats, packed.
-   indirect: 3 count floats or null. */
+   pixel of the disk for DISK (of disks more than 512 pixels across, about 512 x 512 of them), 65,536 points
+   for the others (MARCH: 4,096 rays of its march_steps), none of its samples; no interleaving, no filter.
+   `pixels`: `count` indices column + width * row, null for all of the picture in order (count is not read).
+   visibility: count floats, packed. indirect: 3 count floats or null. */
 DFIELD_API dfield_status dfield_screen_integral(dfield_screen* screen, const dfield_screen_buffers* buffers,
                                                 const uint32_t* pixels, size_t count, float* visibility,
                                                 float* indirect);
