@@ -21,7 +21,8 @@ ScreenCamera read_camera_json(const std::string& where, const nlohmann::json& de
                               const ScreenCamera* lens, std::uint32_t width, std::uint32_t height);
 // A finite number, or `fallback` where object has none of that name. Throws InputError.
 double read_number(const std::string& where, const nlohmann::json& object, const char* name, double fallback);
-// What description["depth"]["encoding"] says: linear (the default) or device.
+// What description["depth"]["encoding"] says: linear (the default) or device, which wants the camera's
+// planes. Throws InputError.
 bool depth_is_device(const std::string& where, const nlohmann::json& description, const ScreenCamera& camera);
 
 // Throws InputError for sides beyond kMaxScreenSide and for files much too small to hold such a picture, so
