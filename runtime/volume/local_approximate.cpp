@@ -44,14 +44,9 @@ struct Apart {
         const LocalPlan::Step& step = walk.steps[i];
         const V fx = hn::Set(f, step.fraction[0]), fy = hn::Set(f, step.fraction[1]),
                 fz = hn::Set(f, step.fraction[2]);
-        const auto lerp = [](V low, V high, V t) HWY_ATTR { return hn::MulAdd(hn::Sub(high, low), t, low); };
-        const auto along_x = [&](const float* p) HWY_ATTR {
-            if constexpr (kX) return lerp(loaded_once(hn::LoadU(f, p)), hn::LoadU(f, p + 1), fx);
-            return hn::LoadU(f, p);
-        };
         const auto along_y = [&](const float* p) HWY_ATTR {
-            if constexpr (kY) return lerp(along_x(p), along_x(p + walk.row), fy);
-            return along_x(p);
+            if constexpr (kY) return lerp(along_x<kX>(p, fx), along_x<kX>(p + walk.row, fx), fy);
+            return along_x<kX>(p, fx);
         };
 #pragma GCC unroll 8
         for (std::size_t z = 0; z < kRowsZ; ++z)

@@ -79,6 +79,16 @@ struct One {
     }
 };
 
+HWY_INLINE V lerp(V low, V high, V t) {
+    return hn::MulAdd(hn::Sub(high, low), t, low);
+}
+template<bool kX>
+HWY_INLINE V along_x(const float* p, V fraction) {
+    const F f;
+    if constexpr (kX) return lerp(loaded_once(hn::LoadU(f, p)), hn::LoadU(f, p + 1), fraction);
+    return hn::LoadU(f, p);
+}
+
 // kX, kY, kZ: whether fractions along this axis are other than 0.
 template<bool kX, bool kY, bool kZ, class Sample>
 HWY_INLINE void take_sample(const LocalPlan::Step& step, const float* HWY_RESTRICT at, std::ptrdiff_t row,
@@ -86,28 +96,23 @@ HWY_INLINE void take_sample(const LocalPlan::Step& step, const float* HWY_RESTRI
     const F f;
     const V fx = hn::Set(f, step.fraction[0]), fy = hn::Set(f, step.fraction[1]),
             fz = hn::Set(f, step.fraction[2]);
-    const auto lerp = [](V low, V high, V t) HWY_ATTR { return hn::MulAdd(hn::Sub(high, low), t, low); };
-    const auto along_x = [&](const float* p) HWY_ATTR {
-        if constexpr (kX) return lerp(loaded_once(hn::LoadU(f, p)), hn::LoadU(f, p + 1), fx);
-        return hn::LoadU(f, p);
-    };
     V below[kRowsY];
 #pragma GCC unroll 8
     for (std::size_t z = 0; z < kRowsZ + (kZ ? 1 : 0); ++z) {
         const float* HWY_RESTRICT p = at + static_cast<std::ptrdiff_t>(z) * slice;
         V here[kRowsY];
         if constexpr (kY) {
-            V low = along_x(p);
+            V low = along_x<kX>(p, fx);
 #pragma GCC unroll 8
             for (std::size_t y = 0; y < kRowsY; ++y) {
                 p += row;
-                const V high = along_x(p);
+                const V high = along_x<kX>(p, fx);
                 here[y] = lerp(low, high, fy);
                 low = high;
             }
         } else {
 #pragma GCC unroll 8
-            for (std::size_t y = 0; y < kRowsY; ++y, p += row) here[y] = along_x(p);
+            for (std::size_t y = 0; y < kRowsY; ++y, p += row) here[y] = along_x<kX>(p, fx);
         }
         if (!kZ || z > 0) {
             constexpr std::size_t kBack = kZ ? 1 : 0;

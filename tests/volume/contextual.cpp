@@ -138,6 +138,60 @@ TEST_CASE("Only what a clip has an effect on is computed anew", "[volume][contex
     }
 }
 
+TEST_CASE("Clipped voxels are open, but for those beside visible ones", "[volume][contextual]") {
+    const Context context;
+    Cut scene;
+    scene.volume = {{24, 20, 18}, models::kUnitSpacing, std::vector<float>(24 * 20 * 18, 60.0f)};  // a haze
+    scene.clip_samples = 0;
+    const ClipMesh box = clip_mesh(context, box_mesh({-1, -1, -1}, {1, 1, 1}));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {-1.0f, 1.0f}) {  // half of the volume is clipped
+            dfield_clip clip{};
+            clip.mesh = box.get();
+            for (int i = 0; i < 3; ++i) clip.mesh_to_world[5 * i] = 40;
+            clip.mesh_to_world[15] = 1;
+            for (int i = 0; i < 3; ++i) clip.mesh_to_world[12 + i] = i == axis ? 9.4f + 40 * side : 0;
+            scene.clips = {{0, clip}};
+            const std::vector<float> factors = scene.from_scratch(context);
+            std::size_t wrong = 0;
+            for (std::uint32_t z = 0; z < 18; ++z)
+                for (std::uint32_t y = 0; y < 20; ++y)
+                    for (std::uint32_t x = 0; x < 24; ++x) {
+                        const std::uint32_t at[3] = {x, y, z};
+                        const float beyond = side * (static_cast<float>(at[axis]) - 9.4f);
+                        const float factor = factors[scene.volume.index(x, y, z)];
+                        wrong += (factor == 1) != (beyond > 1);
+                    }
+            CHECK(wrong == 0);
+        }
+}
+
+TEST_CASE("What was clipped out of the air is as before once the clip is gone", "[volume][contextual]") {
+    const Context context;
+    const Meshes meshes(context);
+    Cut scene;
+    scene.volume = {{48, 24, 20}, models::kUnitSpacing, {}};
+    for (std::size_t i = 0; i < 48 * 24 * 20; ++i) scene.volume.values.push_back(i % 48 < 12 ? 200.0f : 0.0f);
+    Random random(5);
+    Contextual session(context, scene.desc());
+    session.update();
+    // Nothing that has an opacity is clipped, and rays from there meet the wall.
+    const dfield_clip first = placed(meshes.meshes[1], DFIELD_CLIP_SUBTRACT, random, {20, 12, 10}, 5),
+                      second = placed(meshes.meshes[1], DFIELD_CLIP_SUBTRACT, random, {21, 13, 10}, 4);
+    const std::uint32_t id = session.add(first);
+    scene.clips = {{id, first}};
+    session.update();
+    CHECK(scene.wrong(context, session.visibility()) == 0);
+    session.move(id, second.mesh_to_world);
+    scene.clips = {{id, second}};
+    session.update();
+    CHECK(scene.wrong(context, session.visibility()) == 0);
+    session.remove(id);
+    scene.clips.clear();
+    CHECK(session.update().changed > 0);
+    CHECK(scene.wrong(context, session.visibility()) == 0);
+}
+
 TEST_CASE("A mask has the voxels that rays reach a clip from, and few more", "[volume][contextual]") {
     const Context context;
     const ClipMesh ball = clip_mesh(context, sphere_mesh({0, 0, 0}, 1, 64)),
