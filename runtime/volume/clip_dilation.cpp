@@ -84,12 +84,11 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
     // Algorithm 1, a sphere around every point. Offset by offset and not pixel by pixel, so that a row is
     // loaded as vectors; of a dilation the pixels that have the mesh are looked for from all others, of a
     // contraction all others from the pixels that have the mesh.
+    std::pmr::vector<double> fronts(width * height, kNone, context), backs(width * height, -kNone, context);
     context->for_ranges(height, [&](std::size_t begin, std::size_t end) {
-        std::pmr::vector<double> front(width, context), back(width, context);
         for (std::size_t to = begin; to < end; ++to) {
             const bool nothing = probe && !along.has(to);
-            std::ranges::fill(front, kNone);
-            std::ranges::fill(back, -kNone);
+            double *const front = &fronts[to * width], *const back = &backs[to * width];
             for (std::ptrdiff_t j = nothing ? reach + 1 : -reach; j <= reach; ++j) {
                 const std::size_t from = to + static_cast<std::size_t>(j);
                 if (!probe && !along.has(from)) continue;

@@ -164,31 +164,9 @@ bool dfield_contextual::for_tiles(const Deadline& deadline, const Wanted& wanted
     return true;
 }
 
-void dfield_contextual::mark_affected(const Box& changed, std::pmr::vector<std::uint32_t>& pending) const {
-    std::size_t low[3], high[3];
-    const std::size_t size[3] = {kTileX, kTileY, kTileZ};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        // Blocks whose windows can reach what changed.
-        const auto before = static_cast<std::size_t>(std::max(rays_.high[axis], 1)) + 2 * kBlockX,
-                   after = static_cast<std::size_t>(std::max(-rays_.low[axis], 1)) + 2 * kBlockX;
-        low[axis] = (changed.low[axis] > before ? changed.low[axis] - before : 0) / size[axis];
-        high[axis] = std::min(tiles_[axis], (changed.high[axis] + after + size[axis] - 1) / size[axis]);
-        if (low[axis] >= high[axis]) return;
-    }
-    const std::size_t nx = high[0] - low[0], ny = high[1] - low[1], nz = high[2] - low[2];
-    context()->for_ranges(nx * ny * nz, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t index =
-                low[0] + i % nx + tiles_[0] * (low[1] + i / nx % ny + tiles_[1] * (low[2] + i / (nx * ny)));
-            Tile t = tile(index);
-            t.blocks = ~0u;
-            for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-                const std::uint8_t* const window = flags_.window(x, y, z);
-                if (rays_reach_.meets(window, kChanged) || neighbours_reach_.meets(window, kTurned))
-                    pending[index] |= 1u << bit;
-            });
-        }
-    });
+void dfield_contextual::mark_affected(std::pmr::vector<std::uint32_t>& pending) const {
+    rays_reach_.mark(context(), grid_, flags_, kChanged, pending);
+    neighbours_reach_.mark(context(), grid_, flags_, kTurned, pending);
 }
 
 void dfield_contextual::mark_dilated(dfield_update_result& result) {
@@ -243,21 +221,31 @@ void dfield_contextual::mark_dilated(dfield_update_result& result) {
     result.masked = masked.load(std::memory_order_relaxed);
 }
 
+// Whether a block has voxels that are gone.
+bool dfield_contextual::has_gone(std::size_t x, std::size_t y, std::size_t z) const {
+    const std::uint8_t* const bricks = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    std::uint8_t flags = 0;
+    for (std::size_t i = 0; i < kBlockX / kBrickX; ++i) flags |= bricks[i];  // beyond the grid there are none
+    return flags & kGone;
+}
+
 // Of pending blocks: which are affected by clips; and room for what these are unclipped.
 void dfield_contextual::make_room() {
+    std::pmr::vector<std::uint32_t> apart(context());
+    if (!dilated_mode_) {
+        apart.assign(pending_.size(), 0u);
+        rays_reach_.mark(context(), grid_, flags_, kDiffers, apart);
+    }
     context()->for_ranges(pending_.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t index = begin; index < end; ++index) {
             if (pending_[index] == 0) continue;
             Tile t = tile(index);
             t.blocks = pending_[index];
-            std::uint32_t apart = 0, gone = 0;
+            std::uint32_t gone = 0;
             for_blocks(grid_, t, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-                const std::uint8_t* const bricks = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-                for (std::size_t i = 0; i < kBlockX / kBrickX; ++i)  // beyond the grid there are no flags
-                    if (bricks[i] & kGone) gone |= 1u << bit;
-                if (!dilated_mode_ && rays_reach_.meets(flags_.window(x, y, z), kDiffers)) apart |= 1u << bit;
+                if (has_gone(x, y, z)) gone |= 1u << bit;
             });
-            if (!dilated_mode_) apart_[index] = (apart_[index] & ~t.blocks) | apart;
+            if (!dilated_mode_) apart_[index] = (apart_[index] & ~t.blocks) | (apart[index] & t.blocks);
             affected_[index] = (affected_[index] & ~t.blocks) | ((apart_[index] | gone) & t.blocks);
         }
     });
@@ -278,6 +266,7 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
                                 std::uint64_t& voxels) {
     Tile rays = wanted;
     rays.blocks = 0;
+    std::uint32_t some_gone = 0, all_gone = 0;
     const std::size_t index =
         wanted.x / kTileX + tiles_[0] * (wanted.y / kTileY + tiles_[1] * (wanted.z / kTileZ));
     std::array<const float*, 32> unclipped{};
@@ -297,7 +286,15 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
             saved_[index] |= block;
         }
         unclipped[bit] = saved;
-        if ((apart_[index] & block) && !block_is_gone(grid_, left_.get(), x, y, z)) {
+        if (has_gone(x, y, z)) {
+            some_gone |= block;
+            if (block_is_gone(grid_, left_.get(), x, y, z)) {
+                all_gone |= block;
+                for_rows([&](const float*, float* row) { std::fill_n(row, nx, 1.0f); });
+                return;
+            }
+        }
+        if (apart_[index] & block) {
             rays.blocks |= block;
             voxels += nx * ny * nz;
         } else if (saved_[index] & block) {
@@ -308,7 +305,9 @@ void dfield_contextual::compute(const Tile& wanted, LocalFunction* local, const 
     if (rays.blocks != 0 && exchange_ && &plan == &plan_)
         rays.blocks = exchange_({&volume_, &box_, &flags_, &plan, unclipped.data(), visibility_.get()}, rays);
     if (rays.blocks != 0) local({&volume_, &plan, visibility_.get()}, rays);
-    for_blocks(grid_, wanted, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
+    Tile mixed = wanted;
+    mixed.blocks = some_gone & ~all_gone;
+    for_blocks(grid_, mixed, [&](auto, std::size_t x, std::size_t y, std::size_t z) {
         open_gone_voxels(grid_, left_.get(), x, y, z, visibility_.get());
     });
 }
@@ -367,7 +366,7 @@ void dfield_contextual::update(const dfield_update_desc& desc, dfield_update_res
         try {
             const Region region = change_clips();
             result.changed = region.changed;
-            if (!region.voxels.empty()) mark_affected(region.voxels, pending_);
+            if (!region.voxels.empty()) mark_affected(pending_);
             if (dilated_mode_) mark_dilated(result);
             make_room();
             if (exchange_) {

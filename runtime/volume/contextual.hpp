@@ -97,8 +97,9 @@ struct dfield_contextual final : dfield::runtime::Shared<dfield_contextual> {
     Region change_clips();
     bool change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y, std::size_t z,
                       bool retest, std::uint64_t& changed);
-    void mark_affected(const Box& changed, std::pmr::vector<std::uint32_t>& pending) const;
+    void mark_affected(std::pmr::vector<std::uint32_t>& pending) const;
     void mark_dilated(dfield_update_result& result);
+    bool has_gone(std::size_t x, std::size_t y, std::size_t z) const;
     void make_room();
     void drop_unclipped();
     void compute(const Tile& tile, dfield::runtime::volume::LocalFunction* local,

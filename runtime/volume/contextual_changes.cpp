@@ -10,6 +10,50 @@
 using namespace dfield::runtime;
 using namespace dfield::runtime::volume;
 
+namespace {
+
+// What is left of a block's row of voxels, and what was; beyond the grid all, so that loops are of one
+// length.
+struct BlockRow {
+    std::array<std::uint8_t, kBlockX> now, before;
+
+    BlockRow(const std::uint8_t* row_now, const std::uint8_t* row_before, std::size_t count,
+             std::uint8_t all) {
+        if (count < kBlockX) {
+            now.fill(all);
+            before.fill(all);
+        }
+        std::memcpy(now.data(), row_now, count);
+        std::memcpy(before.data(), row_before, count);
+    }
+    bool same() const { return now == before; }
+    bool is(std::uint8_t value) const {
+        bool is = true;
+        for (const std::uint8_t n : now) is &= n == value;
+        return is;
+    }
+    // Adds the voxels' flags to `states`; how many changed their opacity or whether they are clipped.
+    std::uint64_t changes(const float* opacity, std::uint8_t all,
+                          std::array<std::uint8_t, kBlockX>& states) const {
+        // Bytes of 0 and 1, and no branches: loops that are vectorised.
+        std::array<std::uint8_t, kBlockX> matter, counted;
+        for (std::size_t i = 0; i < kBlockX; ++i) matter[i] = opacity[i] != 0;
+        for (std::size_t i = 0; i < kBlockX; ++i) {
+            const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
+            const std::uint8_t gone = byte(now[i] == 0), turned = byte(gone ^ (before[i] == 0)),
+                               other = byte(matter[i] & (now[i] != before[i])),
+                               differs = byte(matter[i] & (now[i] != all));
+            counted[i] = turned | other;
+            states[i] |= byte(differs * kDiffers | other * kChanged | turned * kTurned | gone * kGone);
+        }
+        std::uint64_t count = 0;
+        for (const std::uint8_t one : counted) count += one;
+        return count;
+    }
+};
+
+}  // namespace
+
 // The volume through another transfer function, nothing clipped; which blocks' factors change for it.
 void dfield_contextual::change_opacity() {
     const bool first = !filled_;
@@ -42,7 +86,7 @@ void dfield_contextual::change_opacity() {
         std::fill(pending_.begin(), pending_.end(), ~0u);
     } else {
         flags_.update_windows();
-        mark_affected(all, pending_unclipped_);
+        mark_affected(pending_unclipped_);
         for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] |= pending_unclipped_[i];
         flags_.clear(kChanged);
     }
@@ -57,6 +101,7 @@ void dfield_contextual::change_opacity() {
 // A block of the clipped volume: what is left of its voxels, their opacities, and the flags of its bricks.
 bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::size_t x, std::size_t y,
                                      std::size_t z, bool retest, std::uint64_t& changed) {
+    const std::uint8_t all = coverage_.all();
     std::uint8_t left[kBlock];
     const std::size_t nx = std::min(kBlockX, grid_.nx - x), ny = std::min(kBlockY, grid_.ny - y),
                       nz = std::min(kBlockZ, grid_.nz - z);
@@ -70,37 +115,45 @@ bool dfield_contextual::change_block(std::span<const PlacedClip> clips, std::siz
         for_rows(
             [&](std::uint8_t* now, const std::uint8_t* before, auto, auto) { std::copy_n(before, nx, now); });
     else if (!coverage_.of_block(clips, x, y, z, left))
-        std::fill_n(left, kBlock, coverage_.all());
+        std::fill_n(left, kBlock, all);
     bool same = true, full = true;
     for_rows([&](const std::uint8_t* now, const std::uint8_t* before, auto, auto) {
-        same = same && std::memcmp(now, before, nx) == 0;
-        full = full && std::all_of(now, now + nx, [&](std::uint8_t n) { return n == coverage_.all(); });
+        const BlockRow row(now, before, nx, all);
+        same = same && row.same();
+        full = full && row.is(all);
     });
     // The opacities are those of what was left before, or of nothing clipped.
     if (same && (clipped_ || full)) return false;
-    std::uint8_t* const flags = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ);
-    constexpr std::size_t kBricks = kBlockX / kBrickX;
-    std::uint8_t states[kBricks] = {}, occupied[kBricks] = {};
-    for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
-        float* const opacity = volume_.row(row_y, row_z) + x;
-        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx, opacity);  // finite, as all of the volume
-        for (std::size_t i = 0; i < nx; ++i) {
-            std::uint8_t& state = states[i / kBrickX];
-            const bool matter = opacity[i] != 0, other = now[i] != before[i], turned = !now[i] != !before[i];
-            if (other && matter) state |= kChanged;
-            if (turned) state |= kTurned;
-            if (turned || (other && matter)) ++changed;
-            if (matter && now[i] != coverage_.all()) state |= kDiffers;
-            if (now[i] == 0) state |= kGone;
-            if (now[i] != coverage_.all()) opacity[i] *= coverage_.share(now[i]);
-            if (opacity[i] != 0) occupied[i / kBrickX] = 1;
-            before[i] = now[i];
-        }
+    // All lookups before any is used: what was stored one by one cannot be loaded together at once.
+    std::array<float, kBlock> opacities{};
+    for_rows([&](const std::uint8_t* now, auto, std::size_t row_y, std::size_t row_z) {
+        (void)opacity_.row(samples_.row(row_y, row_z), x, x + nx,  // finite, as all of the volume
+                           opacities.data() + (now - left));
     });
-    const std::size_t bricks = (nx + kBrickX - 1) / kBrickX;
-    for (std::size_t i = 0; i < bricks; ++i)
-        flags[i] = static_cast<std::uint8_t>((flags[i] & (kChanged | kTurned)) | states[i]);
-    std::copy_n(occupied, bricks, volume_.occupied().brick(x / kBrickX, y / kBrickY, z / kBrickZ));
+    std::array<std::uint8_t, kBlockX> states{}, occupied{};
+    for_rows([&](const std::uint8_t* now, std::uint8_t* before, std::size_t row_y, std::size_t row_z) {
+        float* const opacity = opacities.data() + (now - left);
+        const BlockRow row(now, before, nx, all);
+        changed += row.changes(opacity, all, states);
+        if (row.is(0))
+            std::fill_n(opacity, kBlockX, 0.0f);
+        else if (!row.is(all))
+            for (std::size_t i = 0; i < nx; ++i) opacity[i] *= coverage_.share(now[i]);
+        for (std::size_t i = 0; i < kBlockX; ++i) occupied[i] |= opacity[i] != 0;
+        std::copy_n(opacity, nx, volume_.row(row_y, row_z) + x);
+        std::copy_n(now, nx, before);
+    });
+    std::uint8_t *const flags = flags_.brick(x / kBrickX, y / kBrickY, z / kBrickZ),
+                        *const matter = volume_.occupied().brick(x / kBrickX, y / kBrickY, z / kBrickZ);
+    for (std::size_t i = 0; i < (nx + kBrickX - 1) / kBrickX; ++i) {
+        const auto of_brick = [&](const auto& of_voxels) {
+            std::uint8_t any = 0;
+            for (std::size_t j = 0; j < kBrickX; ++j) any |= of_voxels[i * kBrickX + j];
+            return any;
+        };
+        flags[i] = static_cast<std::uint8_t>((flags[i] & (kChanged | kTurned)) | of_brick(states));
+        matter[i] = of_brick(occupied);
+    }
     return true;
 }
 

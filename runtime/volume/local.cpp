@@ -90,9 +90,9 @@ void compute_local(dfield_context* context, const LocalJob& job) {
         return;
     }
     LocalFunction* const local_air = local_air_function(context->simd_targets);
-    Air air(context, *job.plan->rays, *job.opacity);
+    const Air air(context, *job.plan->rays, *job.opacity);
     for_tiles([&](std::size_t i, Tile tile) {
-        const std::uint32_t in_air = air.find(i, tile);
+        const std::uint32_t in_air = air.blocks(i);
         tile.blocks = ~in_air;
         local(job, tile);
         tile.blocks = in_air;

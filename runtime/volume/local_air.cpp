@@ -5,15 +5,6 @@
 namespace dfield::runtime::volume {
 namespace {
 
-std::pmr::vector<Offset> clear_offsets(dfield_context* context, const LocalRays& rays) {
-    // Nearer to matter than this factors are not smooth enough.
-    const std::size_t clear = rays.groups.ones;
-    std::pmr::vector<Offset> offsets(context);
-    for (std::size_t k = 0; k < rays.count; ++k)
-        for (const RayStep& step : rays.ray(k).first(clear)) offsets.push_back(step.offset);
-    return offsets;
-}
-
 // A row between `low` and `high`, from those beside them as well: what cubic polynomials have there. These
 // are rows [0, n) of the grid's; where there is no third one to a side, its neighbour stands for it.
 template<class Row>
@@ -29,19 +20,18 @@ void interpolate_row(std::size_t at, std::size_t n, std::size_t count, const Row
 }  // namespace
 
 Air::Air(dfield_context* context, const LocalRays& rays, const OpacityVolume& volume)
-    : volume_(&volume),
-      clear_(context, volume.occupied(), clear_offsets(context, rays)),
-      blocks_(tile_count(volume.grid()), 0u, context) {}
-
-std::uint32_t Air::find(std::size_t index, const Tile& tile) {
-    std::uint32_t found = 0;
-    for_groups(volume_->grid(), tile, [&](std::uint32_t blocks, std::size_t x, std::size_t y, std::size_t z) {
-        for (const std::size_t dy : {std::size_t{0}, kBlockY})
-            for (const std::size_t dz : {std::size_t{0}, kBlockZ})
-                if (clear_.meets(volume_->occupied().window(x, y + dy, z + dz), 1)) return;
-        found |= blocks;
-    });
-    return blocks_[index] = found;
+    : grid_(volume.grid()), blocks_(tile_count(volume.grid()), 0u, context) {
+    // Nearer to matter than this factors are not smooth enough.
+    const std::size_t clear = rays.groups.ones;
+    std::pmr::vector<Offset> offsets(context);
+    for (std::size_t k = 0; k < rays.count; ++k)
+        for (const RayStep& step : rays.ray(k).first(clear)) offsets.push_back(step.offset);
+    std::pmr::vector<std::uint32_t> near(blocks_.size(), 0u, context);
+    Stencil(context, volume.occupied(), offsets).mark(context, grid_, volume.occupied(), 1, near);
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+        for_groups(grid_, tile_at(grid_, i), [&](std::uint32_t group, auto, auto, auto) {
+            if (!(near[i] & group)) blocks_[i] |= group;
+        });
 }
 
 template<class Use>
@@ -49,8 +39,7 @@ void Air::for_air(dfield_context* context, const Use& use) const {
     context->for_ranges(blocks_.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             if (blocks_[i] != 0) {
-                const Tile tile = tile_at(volume_->grid(), i);
-                for_groups(volume_->grid(), tile,
+                for_groups(grid_, tile_at(grid_, i),
                            [&](std::uint32_t blocks, std::size_t x, std::size_t y, std::size_t z) {
                                if (blocks_[i] & blocks) use(x, y, z);
                            });
@@ -59,7 +48,7 @@ void Air::for_air(dfield_context* context, const Use& use) const {
 }
 
 void Air::interpolate(dfield_context* context, float* visibility) const {
-    const Grid& grid = volume_->grid();
+    const Grid& grid = grid_;
     // Even rows of even slices are there everywhere.
     for_air(context, [&](std::size_t x, std::size_t y, std::size_t z) {
         for (std::size_t k = z; k < z + kGroupZ; k += 2)

@@ -32,8 +32,8 @@ class Air {
   public:
     Air(dfield_context* context, const LocalRays& rays, const OpacityVolume& volume);
 
-    // The blocks of a tile's groups in the air. Any threads, each tile once.
-    std::uint32_t find(std::size_t index, const Tile& tile);
+    // The blocks of a tile's groups in the air.
+    std::uint32_t blocks(std::size_t tile) const { return blocks_[tile]; }
     // All factors of all groups, from those of every second row and slice.
     void interpolate(dfield_context* context, float* visibility) const;
 
@@ -41,8 +41,7 @@ class Air {
     template<class Use>
     void for_air(dfield_context* context, const Use& use) const;
 
-    const OpacityVolume* volume_;
-    Stencil clear_;                           // what first samples read
+    const Grid grid_;
     std::pmr::vector<std::uint32_t> blocks_;  // of each tile
 };
 

@@ -5,6 +5,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <cstring>
+
 #include "simd.hpp"
 #include "volume/local_kernel-inl.hpp"
 
@@ -62,52 +64,111 @@ constexpr ExchangeRay* kExchanges[] = {exchange_ray<false, false, false>, exchan
                                        exchange_ray<false, false, true>,  exchange_ray<true, false, true>,
                                        exchange_ray<false, true, true>,   exchange_ray<true, true, true>};
 
+// The first step of each ray that may differ; where there is none, the number of steps.
+using Firsts = std::array<std::uint16_t, kMostExchanged>;
+constexpr std::size_t kTileBlocks = kTileBlocksX * kTileBlocksY * kTileBlocksZ;
+
+// Of the wanted ones of kTileBlocksX blocks side by side; of the others there is none.
+void find_firsts(const LocalPlan& plan, const std::uint8_t* differs, std::uint32_t wanted, Firsts* firsts) {
+    // A run's windows of all four blocks, kBlockX / kBrickX apart, with one load of two words.
+    static_assert(kTileBlocksX == 4 && kBlockX / kBrickX == 4);
+    std::uint8_t bytes[16] = {};
+    for (std::size_t b = 0; b < kTileBlocksX; ++b)
+        if (wanted >> b & 1) bytes[4 * b] = kDiffers;
+    std::uint64_t all[2];
+    std::memcpy(all, bytes, sizeof all);
+    const auto none = static_cast<std::uint16_t>(plan.rays->per_ray);
+    std::size_t run = 0;
+    for (std::size_t k = 0; k < plan.rays->count; ++k) {
+        for (std::size_t b = 0; b < kTileBlocksX; ++b) firsts[b][k] = none;
+        std::uint64_t open[2] = {all[0], all[1]};
+        for (; run < plan.run_ends[k]; ++run) {
+            std::uint64_t found[2];
+            std::memcpy(found, differs + plan.runs[run].window, sizeof found);
+            found[0] &= open[0];
+            found[1] &= open[1];
+            if ((found[0] | found[1]) == 0) continue;
+            std::memcpy(bytes, found, sizeof found);
+            for (std::size_t b = 0; b < kTileBlocksX; ++b)
+                if (bytes[4 * b]) firsts[b][k] = static_cast<std::uint16_t>(plan.runs[run].first);
+            open[0] &= ~found[0];
+            open[1] &= ~found[1];
+            if ((open[0] | open[1]) == 0) break;
+        }
+        run = plan.run_ends[k];
+    }
+}
+
+// A block whose rays are exchanged.
+struct Exchanged {
+    std::size_t bit, x, y, z;
+    const std::uint8_t *occupied, *differs;  // its windows
+    const float *now, *was;                  // its lowest voxel
+};
+
+// Ray by ray, so that what a ray's steps read is at hand for all of the blocks.
 std::uint32_t exchange(const ExchangeJob& job, const Tile& tile) {
     const F f;
     const LocalPlan& plan = *job.plan;
     const LocalRays& rays = *plan.rays;
     const Grid& grid = job.now->grid();
-    HWY_ALIGN float gains[kBlock];
+    std::array<Firsts, kTileBlocks> firsts;
+    std::array<Exchanged, kTileBlocks> blocks;
+    std::size_t count = 0, found = SIZE_MAX;  // the row of blocks whose firsts are known
     std::uint32_t left = 0;
     for_blocks(grid, tile, [&](std::size_t bit, std::size_t x, std::size_t y, std::size_t z) {
-        const std::uint8_t* const differs = job.flags->window(x, y, z);
-        std::uint16_t first[kMostExchanged];  // step of each ray; all of them where there is none
-        std::size_t work = 0, run = 0;
-        for (std::size_t k = 0; k < rays.count; ++k) {
-            while (run < plan.run_ends[k] && !(differs[plan.runs[run].window] & kDiffers)) ++run;
-            const std::size_t i = run < plan.run_ends[k] ? plan.runs[run].first : rays.per_ray;
-            first[k] = static_cast<std::uint16_t>(i);
-            if (i < rays.per_ray) work += 2 * rays.per_ray - i;
-            run = plan.run_ends[k];
+        if (const std::size_t row = bit / kTileBlocksX * kTileBlocksX; row != found) {
+            find_firsts(plan, job.flags->window(tile.x, y, z), tile.blocks >> row, &firsts[row]);
+            found = row;
         }
+        std::size_t work = 0;
+        for (std::size_t k = 0; k < rays.count; ++k)
+            if (firsts[bit][k] < rays.per_ray) work += 2 * rays.per_ray - firsts[bit][k];
         if (work > rays.count * rays.per_ray) {
             left |= 1u << bit;
             return;
         }
-        std::fill_n(gains, kBlock, 0.0f);
-        Walk walk(rays, *job.now);
-        walk.windows = job.now->occupied().window(x, y, z);
-        const float *const now = job.now->row(y, z) + x, *const was =
-                                                             job.before->at(static_cast<std::ptrdiff_t>(x),
-                                                                            static_cast<std::ptrdiff_t>(y),
-                                                                            static_cast<std::ptrdiff_t>(z));
-        Before before{differs, nullptr, nullptr, job.before->row_stride(), job.before->slice_stride()};
-        for (std::size_t k = 0; k < rays.count; ++k) {
-            if (first[k] == rays.per_ray) continue;
-            walk.steps = plan.steps.data() + k * rays.per_ray;
-            before.steps = rays.ray(k).data();
+        blocks[count++] = {bit,
+                           x,
+                           y,
+                           z,
+                           job.now->occupied().window(x, y, z),
+                           job.flags->window(x, y, z),
+                           job.now->row(y, z) + x,
+                           job.before->at(static_cast<std::ptrdiff_t>(x), static_cast<std::ptrdiff_t>(y),
+                                          static_cast<std::ptrdiff_t>(z))};
+    });
+    HWY_ALIGN float gains[kTileBlocks * kBlock];
+    std::fill_n(gains, count * kBlock, 0.0f);
+    Walk walk(rays, *job.now);
+    for (std::size_t k = 0; k < rays.count; ++k) {
+        walk.steps = plan.steps.data() + k * rays.per_ray;
+        ExchangeRay* const exchange_one = kExchanges[plan.inside[k]];
+        for (std::size_t i = 0; i < count; ++i) {
+            const Exchanged& block = blocks[i];
+            const std::size_t first = firsts[block.bit][k];
+            if (first == rays.per_ray) continue;
+            walk.windows = block.occupied;
+            Before before{block.differs, rays.ray(k).data(), nullptr, job.before->row_stride(),
+                          job.before->slice_stride()};
             for_rows([&](std::ptrdiff_t gx, std::ptrdiff_t gy, std::ptrdiff_t gz, std::size_t row) {
-                before.at = was + (gx + gy * before.row + gz * before.slice);
-                kExchanges[plan.inside[k]](walk, now + (gx + gy * walk.row + gz * walk.slice), first[k],
-                                           before, gains + row);
+                before.at = block.was + (gx + gy * before.row + gz * before.slice);
+                exchange_one(walk, block.now + (gx + gy * walk.row + gz * walk.slice), first, before,
+                             gains + i * kBlock + row);
             });
         }
-        const V quantum = hn::Set(f, plan.quantum);
-        for (std::size_t r = 0; r < kBlock; r += hn::Lanes(f))
-            hn::Store(hn::Mul(hn::Load(f, gains + r), quantum), f, gains + r);
-        for (std::size_t i = 0; i < kBlock; ++i) gains[i] += job.unclipped[bit][i];
-        store_block(grid, x, y, z, gains, job.visibility);
-    });
+    }
+    const V quantum = hn::Set(f, plan.quantum);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Exchanged& block = blocks[i];
+        float* const factors = gains + i * kBlock;
+        const float* const unclipped = job.unclipped[block.bit];
+        for (std::size_t r = 0; r < kBlock; r += hn::Lanes(f)) {
+            const V gain = hn::Mul(hn::Load(f, factors + r), quantum);
+            hn::Store(hn::Add(hn::LoadU(f, unclipped + r), gain), f, factors + r);
+        }
+        store_block(grid, block.x, block.y, block.z, factors, job.visibility);
+    }
     return left;
 }
 

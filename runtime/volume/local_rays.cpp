@@ -46,18 +46,22 @@ std::vector<glm::dvec3> fibonacci_directions(std::size_t count) {
 
 namespace {
 
-// Approximate rays. What an error costs falls with the number of samples and with the distance: the last
-// samples are taken four at a time, those before by twos, the first ones singly.
-RayGroups approximate_groups(std::size_t kept) {
+// Approximate rays, `step` voxels from sample to sample. What an error costs falls with the number of samples
+// and with the distance: the last samples are taken four at a time, those before by twos, the first ones
+// singly. What is between samples farther apart says little of them: no group is longer than four voxels.
+RayGroups approximate_groups(std::size_t kept, double step) {
+    constexpr double kLongest = 4;
     std::size_t left = kept;
     const auto take = [&](std::size_t most, std::size_t size) {
+        if (static_cast<double>(size) * step > kLongest) return std::size_t{0};
         const std::size_t taken = std::min(most, left / size);
         left -= taken * size;
         return taken;
     };
     RayGroups groups;
-    groups.ones = take(std::max<std::size_t>(3, 150 / (kept + 1)), 1);
-    groups.twos = take(5, 2);
+    groups.ones = std::min(left, std::max<std::size_t>(3, 150 / (kept + 1)));
+    left -= groups.ones;
+    groups.twos = take(4 * step > kLongest ? kept : 5, 2);
     groups.fours = take(kept, 4);
     groups.twos += take(1, 2);
     groups.ones += left;
@@ -76,12 +80,14 @@ LocalRays make_local_rays(std::pmr::memory_resource* memory, const Grid& grid, c
                    std::pmr::vector<float>(memory),
                    std::pmr::vector<RayStep>(memory)};
     const std::size_t kept = rays.kept();
-    rays.groups = options.approximate ? approximate_groups(kept) : RayGroups{kept, 0, 0};
+    const glm::dvec3 spacing(grid.hx, grid.hy, grid.hz);
+    if (options.world) rays.step /= spacing;
+    rays.groups = options.approximate
+                      ? approximate_groups(kept, std::max({rays.step.x, rays.step.y, rays.step.z}))
+                      : RayGroups{kept, 0, 0};
     rays.approximate = rays.groups.ones < kept;
     rays.per_ray = rays.groups.steps();
     rays.steps.reserve(rays.count * rays.per_ray);
-    const glm::dvec3 spacing(grid.hx, grid.hy, grid.hz);
-    if (options.world) rays.step /= spacing;
     double open = 0;
     for (std::size_t k = 0; k < rays.count; ++k) {
         const double weight = options.weights.empty() ? 1.0 : static_cast<double>(options.weights[k]);

@@ -97,21 +97,26 @@ BrickFlags::BrickFlags(dfield_context* context, const Grid& grid, const Offset& 
     windows_ = Buffer<std::uint8_t>(context, size_, 0);
 }
 
-std::ptrdiff_t BrickFlags::window_offset(const Offset& offset) const {
-    const std::ptrdiff_t strides[3] = {1, row_, slice_};
-    std::ptrdiff_t all = 0;
+Offset BrickFlags::window_step(const Offset& offset) const {
+    Offset step;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int32_t at = std::clamp(offset[axis], -farthest_[axis], farthest_[axis]);
         const auto brick = static_cast<std::int32_t>(kBrick[axis]);
-        all += strides[axis] * (at >= 0 ? at / brick : -((-at + brick - 1) / brick));  // rounds down
+        step[axis] = at >= 0 ? at / brick : -((-at + brick - 1) / brick);  // rounds down
     }
-    return all;
+    return step;
+}
+
+std::ptrdiff_t BrickFlags::window_offset(const Offset& offset) const {
+    const auto [x, y, z] = window_step(offset);
+    return x + y * row_ + z * slice_;
 }
 
 void BrickFlags::clear(std::uint8_t bits) const {
     const auto others = static_cast<std::uint8_t>(~bits);
+    const std::size_t size = size_;  // no flag is part of it, which a compiler cannot know
     for (std::uint8_t* const flags : {bricks_.get(), windows_.get()})
-        for (std::size_t i = 0; i < size_; ++i) flags[i] &= others;
+        for (std::size_t i = 0; i < size; ++i) flags[i] &= others;
 }
 
 bool BrickFlags::bounds(std::uint8_t bits, std::size_t low[3], std::size_t high[3]) const {
@@ -168,11 +173,29 @@ OpacityVolume::OpacityVolume(dfield_context* context, const Grid& grid, const Of
                       slice = odd_lines(row * (round_up(grid.ny, kBrickY) + pad_y));
     row_ = static_cast<std::ptrdiff_t>(row);
     slice_ = static_cast<std::ptrdiff_t>(slice);
-    const std::size_t before = pad_z * slice + pad_y * row + kPadX;
     static_assert(kPadX % 16 == 0, "rows begin on a cache line's border");
-    origin_ = static_cast<std::ptrdiff_t>(before);
-    const std::size_t all = before + (round_up(grid.nz, kBrickZ) + pad_z) * slice;
-    values_ = Buffer<float>(context, all, 0.0f);
+    // A slice's padding, and a row's, come before it; the last ones are followed by their own.
+    const std::size_t first_row = pad_y * row + kPadX, slices = round_up(grid.nz, kBrickZ) + 2 * pad_z,
+                      all = slices * slice + first_row;
+    origin_ = static_cast<std::ptrdiff_t>(pad_z * slice + first_row);
+    values_ = Buffer<float>(context, all);
+    // Around the grid alone: the rest is written when the volume is filled. By all threads, since they touch
+    // all pages of the memory by it.
+    float* const values = values_.get();
+    context->for_ranges(slices, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t z = begin; z < end; ++z) {
+            float* at = values + z * slice;
+            float* const next = at + slice;
+            if (z >= pad_z && z - pad_z < grid.nz) {
+                std::fill_n(at, first_row, 0.0f);
+                at += first_row;
+                for (std::size_t y = 0; y < grid.ny; ++y, at += row)
+                    std::fill(at + grid.nx, at + std::min<std::ptrdiff_t>(row_, next - at), 0.0f);
+            }
+            if (at < next) std::fill(at, next, 0.0f);
+        }
+    });
+    std::fill(values + slices * slice, values + all, 0.0f);
 }
 
 void OpacityVolume::update_occupied(dfield_context* context, const std::size_t low[3],

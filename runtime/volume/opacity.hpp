@@ -71,6 +71,12 @@ class BrickFlags {
         return windows_ + static_cast<std::ptrdiff_t>(at(x / kBrickX, y / kBrickY, z / kBrickZ));
     }
     std::ptrdiff_t window_offset(const Offset& offset) const;
+    // The same in bricks: along a row, rows, slices.
+    Offset window_step(const Offset& offset) const;
+    // The window that begins with this brick; also before the first one and beyond the last.
+    const std::uint8_t* window_at(std::ptrdiff_t x, std::ptrdiff_t y, std::ptrdiff_t z) const {
+        return window(0, 0, 0) + (x + y * row_ + z * slice_);
+    }
 
   private:
     std::size_t at(std::size_t x, std::size_t y, std::size_t z) const {

@@ -1,37 +1,33 @@
-// Which windows of bricks a block's rays look into, as words to be tested at once.
+// Which windows of bricks a block's samples look into; and the blocks that meet a flag by that.
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <memory_resource>
 #include <span>
 #include <vector>
 
+#include "context.hpp"
 #include "volume/opacity.hpp"
 
 namespace dfield::runtime::volume {
 
 class Stencil {
   public:
+    // Of samples at these offsets from a voxel.
     Stencil(std::pmr::memory_resource* memory, const BrickFlags& flags, std::span<const Offset> offsets);
 
-    // Whether any of them has this bit, seen from a block's own window.
-    bool meets(const std::uint8_t* window, std::uint8_t bit) const {
-        const std::uint64_t bits = bit * 0x0101010101010101u;
-        for (const Word& word : words_) {
-            std::uint64_t flags;
-            std::memcpy(&flags, window + word.offset, sizeof flags);
-            if (flags & word.mask & bits) return true;
-        }
-        return false;
-    }
+    // Adds those blocks of the grid to `blocks`, 32 bits a tile, of whose windows one has this bit. For all
+    // blocks of a row at once, a bit each: a window and a block are a shift apart.
+    void mark(dfield_context* context, const Grid& grid, const BrickFlags& flags, std::uint8_t bit,
+              std::pmr::vector<std::uint32_t>& blocks) const;
 
   private:
-    struct Word {
-        std::ptrdiff_t offset;
-        std::uint64_t mask;
+    // From a block's own window: `along` blocks and `phase` bricks, rows, slices.
+    struct Step {
+        std::int32_t z, phase, along, y;
     };
-    std::pmr::vector<Word> words_;
+    std::pmr::vector<Step> steps_;  // each once
+    Offset low_{}, high_{};         // of steps' along, y, z
 };
 
 }  // namespace dfield::runtime::volume

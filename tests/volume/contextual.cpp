@@ -138,6 +138,38 @@ TEST_CASE("Only what a clip has an effect on is computed anew", "[volume][contex
     }
 }
 
+TEST_CASE("Voxels changed are those that turned, and those of another opacity", "[volume][contextual]") {
+    const Context context;
+    Random random(6);
+    const Meshes meshes(context);
+    Cut scene;
+    scene.volume = blobs({45, 30, 21}, 7);
+    scene.local = local_desc(6, 3);
+    Contextual session(context, scene.desc());
+    session.update();
+    std::uint32_t id = 0;
+    for (int frame = 0; frame < 6; ++frame) {
+        const std::vector<std::uint8_t> before(session.coverage(),
+                                               session.coverage() + scene.volume.values.size());
+        const dfield_clip clip =
+            placed(meshes.meshes[1], DFIELD_CLIP_SUBTRACT, random, {18 + 2.3 * frame, 15, 10}, 7);
+        if (frame == 0) id = session.add(clip);
+        session.move(id, clip.mesh_to_world);
+        const std::uint64_t changed = session.update().changed;
+        std::uint64_t turned = 0, other = 0;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            const std::uint8_t now = session.coverage()[i];
+            if (!now != !before[i])
+                ++turned;
+            else if (now != before[i] && scene.volume.values[i] > scene.transfer.points.front().value)
+                ++other;
+        }
+        CHECK(turned > 0);
+        CHECK(other > 0);
+        CHECK(changed == turned + other);
+    }
+}
+
 TEST_CASE("Clipped voxels are open, but for those beside visible ones", "[volume][contextual]") {
     const Context context;
     Cut scene;
@@ -190,6 +222,36 @@ TEST_CASE("What was clipped out of the air is as before once the clip is gone", 
     scene.clips.clear();
     CHECK(session.update().changed > 0);
     CHECK(scene.wrong(context, session.visibility()) == 0);
+}
+
+TEST_CASE("Rows of more blocks than a word has bits, and rays as long as such words",
+          "[volume][contextual]") {
+    const Context context;
+    const Meshes meshes(context);
+    Random random(9);
+    Cut scene;
+    scene.volume = blobs({2200, 7, 5}, 3);
+    const auto check = [&](std::uint32_t samples, float step, std::uint64_t reach) {
+        scene.local = local_desc(26, samples);
+        scene.local.step = step;
+        scene.clips.clear();
+        Contextual session(context, scene.desc());
+        session.update();
+        std::uint32_t id = 0;
+        for (const double x : {3.0, 500.0, 1019.0, 1030.0, 1700.0, 2052.0, 2198.0}) {
+            const dfield_clip clip = placed(meshes.meshes[0], DFIELD_CLIP_SUBTRACT, random, {x, 3, 2}, 4);
+            if (id == 0) id = session.add(clip);
+            session.move(id, clip.mesh_to_world);
+            scene.clips = {{id, clip}};
+            const dfield_update_result result = session.update();
+            INFO("step " << step << " at " << x);
+            CHECK(result.recomputed > 0);
+            CHECK(result.recomputed < 35 * (2 * (reach + 7) + 3 * 16));  // in blocks, of a turned cube's box
+            CHECK(scene.wrong(context, session.visibility()) == 0);
+        }
+    };
+    check(20, 1, 18);
+    check(3, 400, 800);
 }
 
 TEST_CASE("A mask has the voxels that rays reach a clip from, and few more", "[volume][contextual]") {

@@ -52,6 +52,27 @@ TEST_CASE("Approximate long rays are near exact ones", "[volume][local]") {
     check(balls({120, 60, 60}, 60, 9), 5.5e-4);   // smaller ones
 }
 
+TEST_CASE("Groups of approximate rays are no longer than four voxels", "[volume][local]") {
+    const models::ScalarVolume small = balls({60, 60, 40}, 30, 9);
+    const auto rms = [&](float step, dfield_step_unit unit, models::Spacing spacing) {
+        models::ScalarVolume volume = small;
+        volume.spacing = spacing;
+        dfield_local_desc desc = local_desc(54, 40);
+        desc.step = step;
+        desc.step_unit = unit;
+        return rms_difference(local_ao(volume, desc), local_ao(volume, approximate(desc)));
+    };
+    const auto voxels = [&](float step) { return rms(step, DFIELD_STEP_VOXELS, models::kUnitSpacing); };
+    CHECK(voxels(0.5f) > 0);
+    CHECK(voxels(0.5f) < 7e-4);
+    CHECK(voxels(2) > 0);
+    CHECK(voxels(2) < 2.5e-3);
+    CHECK(voxels(2.01f) == 0);
+    // Along the axis that has the most voxels.
+    CHECK(rms(1, DFIELD_STEP_WORLD, {1, 1, 0.5f}) > 0);
+    CHECK(rms(1, DFIELD_STEP_WORLD, {1, 1, 0.45f}) == 0);
+}
+
 TEST_CASE("Approximate rays at every level, and where they are exact", "[volume][local]") {
     const models::ScalarVolume volume = blobs({45, 30, 21}, 3);
     for (const std::uint32_t samples : {7u, 26u, 41u, 52u}) {
