@@ -48,14 +48,8 @@ Json measure_moving(Lab& lab) {
     Json figures = Json::object();
     const auto add = [&](const std::string& name, const char* transfer, const Volume& volume) {
         const std::array<std::size_t, 3> size = volume.grid.size;
-        Scene scene{.name = name,
-                    .transfer_file = std::string(transfer) + ".json",
-                    .volume = volume,
-                    .transfer = transfer_function(lab, transfer),
-                    .samples = lab.stock.quick() ? 5u : 20u,
-                    .first = {.mesh = unit_sphere()}};
-        scene.volume.grid = VolumeGrid();
-        scene.volume.grid.size = size;
+        Scene scene = plain_scene(lab, name, transfer, volume, lab.stock.quick() ? 5u : 20u);
+        scene.first.mesh = unit_sphere();
         for (int axis = 0; axis < 3; ++axis)
             scene.first.centre[axis] = 0.5 * static_cast<double>(size[static_cast<std::size_t>(axis)]);
         scene.first.scale = 0.2 * static_cast<double>(size[0]);

@@ -93,7 +93,8 @@ void write_table4(const Scenes& scenes, bench::Page& page) {
     page.heading(3, "Table 4: a second mesh");
     page.paragraph(
         "How much longer the frame of table 3 takes beside a sphere that overlaps the mesh and was there "
-        "before, and where that sphere appears in the same frame, with all that it alone has an effect on.");
+        "before, and where that sphere appears in the same frame, with all that it alone has an effect on. "
+        "Against the frame just before, the median of a few turns.");
     bench::Table table({"scene", "rays", "at rest", "appears too", "paper"});
     for (const auto& [name, scene] : scenes)
         for (const char* rays : kRays)

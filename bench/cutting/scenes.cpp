@@ -124,8 +124,25 @@ Volume resampled(const Volume& from, const Size& low, const Size& size, const Si
     return result;
 }
 
+int rounds_of(const Lab& lab, const Scene& scene) {
+    constexpr double kVoxels = 4e7;
+    return lab.stock.rounds(3 + static_cast<int>(kVoxels / static_cast<double>(scene.volume.grid.voxels())));
+}
+
 TransferFunction transfer_function(const Lab& lab, const std::string& name) {
     return read_transfer_function(lab.models / "transfer_functions" / (name + ".json"));
+}
+
+Scene plain_scene(const Lab& lab, const std::string& name, const std::string& transfer, const Volume& volume,
+                  std::uint32_t samples) {
+    Scene scene{.name = name,
+                .transfer_file = transfer + ".json",
+                .volume = volume,
+                .transfer = transfer_function(lab, transfer),
+                .samples = samples};
+    scene.volume.grid = VolumeGrid();
+    scene.volume.grid.size = volume.grid.size;
+    return scene;
 }
 
 std::optional<Scene> make_scene(Lab& lab, const std::string& name) {

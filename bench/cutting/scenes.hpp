@@ -38,6 +38,11 @@ inline constexpr std::array kSceneNames{"engine", "beetle", "skeleton"};
 // Nothing where its scan is missing; with --quick a small cloud of our own. The first cutter is as large as
 // dilates the paper's share.
 std::optional<Scene> make_scene(Lab& lab, const std::string& name);
+// A volume as it is, at spacing 1, without cutters.
+Scene plain_scene(const Lab& lab, const std::string& name, const std::string& transfer, const Volume& volume,
+                  std::uint32_t samples);
+// How often a scene's calls are timed: the less they take, the more often.
+int rounds_of(const Lab& lab, const Scene& scene);
 // A box of a volume, trilinear, at another size: bytes of bytes, floats of all other types.
 Volume resampled(const Volume& from, const std::array<std::size_t, 3>& low,
                  const std::array<std::size_t, 3>& size, const std::array<std::size_t, 3>& to);
