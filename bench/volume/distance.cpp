@@ -41,7 +41,8 @@ void write_distance(const Json& all, bench::Page& page) {
     const auto seconds = [&](const char* name) { return text("%.3g s", figures[name].get<double>()); };
     const auto size = figures["size"].get<unsigned>();
     std::string peer =
-        "**OpenVDB was not there when this was built (libopenvdb-dev): the comparison with it is left out.**";
+        "**OpenVDB was not there when this was built (libopenvdb-dev, libboost-dev): the comparison with it "
+        "is left out.**";
     if (figures.contains("openvdb"))
         peer =
             "OpenVDB " + figures["openvdb"].get<std::string>() + "'s `fogToSdf` takes " +

@@ -12,7 +12,8 @@ using namespace dfield;
 using Catch::Contains;
 
 TEST_CASE("OpenVDB as a peer: distances of a sphere of bytes", "[bench]") {
-    if (volumes::openvdb_version().empty()) return test::skip("no OpenVDB in this build (libopenvdb-dev)");
+    if (volumes::openvdb_version().empty())
+        return test::skip("no OpenVDB in this build (libopenvdb-dev, libboost-dev)");
     const models::ScalarVolume values = models::sphere_volume({33, 31, 29}, {16, 15, 14}, 9.3);
     const volumes::PeerDistances peer =
         volumes::openvdb_distances(volumes::as_bytes("sphere", values, 10), 0);
