@@ -80,10 +80,10 @@ void dfield_clip_mesh::make_cells() {
             }
         });
     } else {
-        constexpr double kNone = std::numeric_limits<double>::infinity();
+        constexpr float kNone = std::numeric_limits<float>::infinity();
         for (std::size_t y = 1; y + 1 < ny; ++y)
             for (std::size_t x = 1; x + 1 < nx; ++x) {
-                double front[2] = {kNone, -kNone}, back[2] = {kNone, -kNone};  // least and greatest
+                float front[2] = {kNone, -kNone}, back[2] = {kNone, -kNone};  // least and greatest
                 bool gaps = false;
                 const auto i0 = static_cast<std::int32_t>(x - 1) * pixels,
                            j0 = static_cast<std::int32_t>(y - 1) * pixels;
@@ -106,10 +106,16 @@ void dfield_clip_mesh::make_cells() {
                     }
                 for (std::size_t z = 0; z < nz; ++z) {
                     const double middle = centre(x, y, z).z, half = (0.5 + kSlack) * cell_;
+                    const auto above = [&](float depth) {
+                        return middle - half > static_cast<double>(depth);
+                    };
+                    const auto below = [&](float depth) {
+                        return middle + half < static_cast<double>(depth);
+                    };
                     Side& side = at(x, y, z).side;
-                    if (middle + half < front[0] || middle - half > back[1])
+                    if (below(front[0]) || above(back[1]))
                         side = Side::kOutside;
-                    else if (!gaps && middle - half > front[1] && middle + half < back[0])
+                    else if (!gaps && above(front[1]) && below(back[0]))
                         side = Side::kInside;
                     else
                         side = Side::kMixed;

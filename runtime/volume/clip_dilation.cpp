@@ -16,7 +16,16 @@ DepthPixel depth_at(const dfield_clip_mesh& mesh, bool probe, double x, double y
         return pixel ? *pixel : DepthPixel{};
     }
     if (probe || x < mesh.low().x || x > mesh.high().x || y < mesh.low().y || y > mesh.high().y) return {};
-    return {mesh.low().z, mesh.high().z};
+    // Vertices' own depths, floats.
+    return {static_cast<float>(mesh.low().z), static_cast<float>(mesh.high().z)};
+}
+
+// Depths as floats that are not greater.
+float round_down(double depth) {
+    const auto nearest = static_cast<float>(depth);
+    return static_cast<double>(nearest) > depth
+               ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
+               : nearest;
 }
 
 // Pixels along one axis that can have the mesh: [low, high).
@@ -73,8 +82,8 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
                     for (int u = 0; u <= steps; ++u) {
                         const DepthPixel d =
                             depth_at(mesh, probe, low.x + u * pixel / steps, low.y + v * pixel / steps);
-                        front = std::min(front, sign * d.front);
-                        back = std::max(back, sign * d.back);
+                        front = std::min(front, sign * static_cast<double>(d.front));
+                        back = std::max(back, sign * static_cast<double>(d.back));
                     }
                 least[y * width + x] = front;
                 greatest[y * width + x] = back;
@@ -108,8 +117,10 @@ Dilation::Dilation(dfield_context* context, const dfield_clip_mesh& mesh, bool p
             }
             for (std::size_t x = 0; x < width; ++x) {
                 const bool empty = probe && (nothing || !across.has(x));
-                maps_.pixels[to * width + x] =
-                    empty ? DepthPixel{} : DepthPixel{sign * front[x], sign * back[x]};
+                const float low = round_down(front[x]), high = -round_down(-back[x]);
+                maps_.pixels[to * width + x] = empty   ? DepthPixel{}
+                                               : probe ? DepthPixel{-low, -high}
+                                                       : DepthPixel{low, high};
             }
         }
     });

@@ -20,8 +20,7 @@ class Dilation {
     // Lines 26 and 27 of algorithm 2.
     bool affected(const CameraPoint& p) const {
         const DepthPixel* const pixel = maps_.at(p);
-        const bool between = pixel && p.z > pixel->front && p.z < pixel->back;
-        return between != probe_;
+        return (pixel && pixel->between(p.z)) != probe_;
     }
 
   private:

@@ -198,8 +198,8 @@ void dfield_clip_mesh::rasterise(std::int32_t resolution) {
                 const auto at = static_cast<std::size_t>(j) * static_cast<std::size_t>(maps_.width) +
                                 static_cast<std::size_t>(i);
                 DepthPixel& pixel = maps_.pixels[at];
-                pixel.front = std::min(pixel.front, depth);
-                pixel.back = std::max(pixel.back, depth);
+                pixel.front = std::min(pixel.front, static_cast<float>(depth));
+                pixel.back = std::max(pixel.back, static_cast<float>(depth));
                 ++crossings[at];
             }
     }

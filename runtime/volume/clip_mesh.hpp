@@ -20,10 +20,15 @@ namespace dfield::runtime::volume {
 // unit.
 using CameraPoint = glm::dvec3;
 
-struct DepthPixel {
-    double front =
-        std::numeric_limits<double>::infinity();  // inverted where there is no mesh: nothing is inside
-    double back = -std::numeric_limits<double>::infinity();
+// As exact as the mesh's vertices; both depths in one load.
+struct alignas(8) DepthPixel {
+    float front =
+        std::numeric_limits<float>::infinity();  // inverted where there is no mesh: nothing is inside
+    float back = -std::numeric_limits<float>::infinity();
+
+    bool between(double depth) const {
+        return depth > static_cast<double>(front) && depth < static_cast<double>(back);
+    }
 };
 
 // Z_front and Z_back: pixel (i, j) looks along the line through low + (i + 1/2, j + 1/2) * pixel.
@@ -65,7 +70,7 @@ struct dfield_clip_mesh final : dfield::runtime::Shared<dfield_clip_mesh> {
     bool inside(const CameraPoint& p) const {
         if (exact_) return inside_exactly(p);
         const auto* const pixel = maps_.at(p);
-        return pixel && p.z > pixel->front && p.z < pixel->back;
+        return pixel && pixel->between(p.z);
     }
 
     // What is known of all points of a box.

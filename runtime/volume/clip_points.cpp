@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstring>
 
 #include "simd.hpp"
@@ -20,11 +21,16 @@ void clip_points(const PlacedClip& clip, const ClipPoints& points, std::uint8_t*
     if (clip.mesh->exact()) return clip_reference(clip, points, seen);
     const hn::CappedTag<double, 8> f64;
     const hn::RebindToSigned<decltype(f64)> i64;
+    const hn::RebindToUnsigned<decltype(f64)> u64;
+    const hn::Rebind<std::uint32_t, decltype(f64)> u32;
+    const hn::Rebind<float, decltype(f64)> f32;
     const std::size_t lanes = hn::Lanes(f64);
     const DepthMaps& maps = clip.mesh->maps();
     const auto set = [&](double value) HWY_ATTR { return hn::Set(f64, value); };
-    const auto* const depths = reinterpret_cast<const double*>(maps.pixels.data());
-    const auto zero = hn::Zero(f64), width = set(maps.width), height = set(maps.height), two = set(2);
+    // A pixel is a word: the front depth its lower half.
+    static_assert(sizeof(DepthPixel) == sizeof(std::uint64_t) && std::endian::native == std::endian::little);
+    const auto* const pixels = reinterpret_cast<const std::uint64_t*>(maps.pixels.data());
+    const auto zero = hn::Zero(f64), width = set(maps.width), height = set(maps.height);
     const std::size_t whole = points.count / lanes * lanes;
     for (std::size_t i = 0; i < whole; i += lanes) {
         const auto x = hn::LoadU(f64, points.x + i), y = hn::LoadU(f64, points.y + i),
@@ -39,11 +45,12 @@ void clip_points(const PlacedClip& clip, const ClipPoints& points, std::uint8_t*
                    v = hn::Mul(hn::Sub(camera(1), set(maps.low.y)), per_pixel), depth = camera(2);
         const auto within =
             hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::And(hn::Lt(u, width), hn::Lt(v, height)));
-        // Of a pixel's two depths the first: exact in double.
-        const auto pixel = hn::Mul(two, hn::Add(hn::Mul(hn::Floor(v), width), hn::Floor(u)));
-        const auto index = hn::ConvertTo(i64, hn::IfThenElseZero(within, pixel));
-        const auto front = hn::GatherIndex(f64, depths, index),
-                   back = hn::GatherIndex(f64, depths + 1, index);
+        const auto pixel = hn::Add(hn::Mul(hn::Floor(v), width), hn::Floor(u));  // exact in double
+        const auto pair = hn::GatherIndex(u64, pixels, hn::ConvertTo(i64, hn::IfThenElseZero(within, pixel)));
+        const auto depth_of = [&](auto bits) HWY_ATTR {
+            return hn::PromoteTo(f64, hn::BitCast(f32, hn::TruncateTo(u32, bits)));
+        };
+        const auto front = depth_of(pair), back = depth_of(hn::ShiftRight<32>(pair));
         const auto inside = hn::And(within, hn::And(hn::Gt(depth, front), hn::Lt(depth, back)));
         // A bit a lane becomes a byte a lane: each byte keeps its own bit, and its top bit says whether it
         // was set.
