@@ -16,8 +16,8 @@ struct RenderCommand {
     VolumeInput input;
     std::string output, transfer_file, visibility_file;
     bool surface = false, unshaded = false;
-    std::optional<float> isovalue;
-    std::string shading = "both";
+    std::optional<float> isovalue, gain;
+    std::string shading;  // empty: the default
     SweepOptions sweep;
     std::array<float, 3> view{0.6f, -1, 0.45f}, up{0, 0, 1}, light{}, background{1, 1, 1};
     float fov = 35, visibility_offset = 0;
@@ -91,6 +91,12 @@ void run(RenderCommand& command) {
         throw Error(ExitCode::kUsage, "--view and --up: 0 0 0 is no direction");
     if (command.clipping.used() && (command.transfer_file.empty() || !command.visibility_file.empty()))
         throw Error(ExitCode::kUsage, "--clip and --probe go with --tf, and compute --visibility themselves");
+    if (command.gain && command.transfer_file.empty()) throw Error(ExitCode::kUsage, "--gain goes with --tf");
+    if (!command.shading.empty() && !isovalue && !command.clipping.used())
+        throw Error(ExitCode::kUsage, "--shading goes with --iso, --clip and --probe; otherwise --unshaded");
+    if (command.shading == "local" && command.clipping.used()) command.clipping.ao = "none";
+    // Where matter is cut its gradients are noise.
+    if (command.shading.empty()) command.shading = command.clipping.used() ? "ao" : "both";
     std::optional<TransferFunction> transfer;
     if (!command.transfer_file.empty()) transfer = read_transfer_function(command.transfer_file);
     const Volume volume = read_volume_input(command.input);
@@ -105,7 +111,7 @@ void run(RenderCommand& command) {
         frame_volume(volume.grid, vector_of(command.view), vector_of(command.up), command.fov,
                      static_cast<float>(command.picture.width) / static_cast<float>(command.picture.height));
     const ScalarField field{volume.grid, shown.values};
-    const bool local = !command.unshaded && !(isovalue && command.shading == "ao");
+    const bool local = !command.unshaded && command.shading != "ao";
     const auto drawing = std::chrono::steady_clock::now();
     std::vector<std::string> images{command.output};
     Image image;
@@ -113,7 +119,8 @@ void run(RenderCommand& command) {
                       .step = command.step,
                       .local = local,
                       .light = vector_of(command.light),
-                      .visibility = shown.visibility};
+                      .visibility = shown.visibility,
+                      .visibility_gain = command.gain.value_or(command.clipping.used() ? 2.0f : 1.0f)};
     if (command.clipping.used())
         images =
             draw_clipped(command.clipping, command.input.file, volume, *transfer, command.common.threads,
@@ -171,12 +178,13 @@ void add_volume_render_command(CLI::App& volume) {
     CLI::Option* iso =
         render->add_option("--iso", command->isovalue, "Draw the surface of this isovalue, swept beforehand")
             ->check(finite_number());
-    render
-        ->add_option("--shading", command->shading,
-                     "--iso: local (Lambert), ao (ambient occlusion) or both, multiplied")
-        ->capture_default_str()
-        ->transform(CLI::IsMember({"local", "ao", "both"}, CLI::ignore_case))
-        ->needs(iso);
+    CLI::Option* shading =
+        render
+            ->add_option(
+                "--shading", command->shading,
+                "--iso, --clip, --probe: local (Lambert), ao (ambient occlusion) or both, multiplied. "
+                "Default: both with --iso; ao with clips, since gradients are noise where matter is cut")
+            ->transform(CLI::IsMember({"local", "ao", "both"}, CLI::ignore_case));
     add_sweep_options(*render, command->sweep);
     for (const char* flag : {"--form", "--octants", "--intensity", "--gamma", "--alpha"})
         render->get_option(flag)->needs(iso);
@@ -195,7 +203,15 @@ void add_volume_render_command(CLI::App& volume) {
                      "--surface, --iso: voxels along the normal at which visibility is read")
         ->capture_default_str()
         ->check(number_between(-8, 8));
-    render->add_flag("--unshaded", command->unshaded, "No shading by the gradient")->excludes(iso);
+    render
+        ->add_option(
+            "--gain", command->gain,
+            "--tf: visibility is multiplied by it, up to 1. Default: 2 with --clip and --probe, since "
+            "half of a plane's rays go into it; else 1")
+        ->check(number_above_zero());
+    render->add_flag("--unshaded", command->unshaded, "No shading by the gradient")
+        ->excludes(iso)
+        ->excludes(shading);
     render
         ->add_option("--reference-length", command->reference_length,
                      "World units that opacities are of; default: the smallest spacing")

@@ -275,7 +275,7 @@ Image render_volume(const ScalarField& field, const TransferFunction& transfer, 
                 if (normal != glm::vec3(0))
                     rgb *= style.ambient + (1 - style.ambient) * std::abs(glm::dot(normal, light));
             }
-            if (visibility) rgb *= std::clamp((*visibility)(index), 0.0f, 1.0f);
+            if (visibility) rgb *= std::clamp(style.visibility_gain * (*visibility)(index), 0.0f, 1.0f);
             sum += transmittance * opacity * rgb;
             transmittance *= 1 - opacity;
         }

@@ -58,6 +58,7 @@ struct VolumeStyle {
     float ambient = 0.25f;
     glm::vec3 light{0};                   // as in IsosurfaceStyle
     std::span<const float> visibility{};  // per voxel, 0..1, multiplies colours; empty: 1 everywhere
+    float visibility_gain = 1;            // times it, 1 at most
     // Whether a point, in voxels, is clipped away; called from several threads. Empty: nothing is.
     std::function<bool(const glm::vec3& voxel)> clipped{};
 };

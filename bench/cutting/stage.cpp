@@ -88,9 +88,8 @@ Image draw(const Scene& scene, const Contextual& session, std::span<const float>
     options.height = lab.stock.pixels(frame.height);
     options.samples = lab.stock.quick() ? 1 : 2;
     VolumeStyle style;
-    std::vector<float> brighter(visibility.begin(), visibility.end());
-    for (float& factor : brighter) factor = std::min(1.0f, frame.gain * factor);
-    style.visibility = brighter;
+    style.visibility = visibility;
+    style.visibility_gain = frame.gain;
     style.clipped = [&](const glm::vec3& voxel) {
         std::uint8_t away = 0;
         check(dfield_contextual_test_points(session.get(), 1, &voxel.x, 0, &away));

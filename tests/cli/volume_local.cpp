@@ -170,8 +170,7 @@ TEST_CASE("volume render --clip draws what is left, frame by frame") {
                             "--background",
                             "0",
                             "0",
-                            "0",
-                            "--unshaded"};
+                            "0"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const Run run = scene.run(arguments);
         INFO(run.err);
@@ -193,6 +192,20 @@ TEST_CASE("volume render --clip draws what is left, frame by frame") {
     CHECK(unclipped < contextual);
     CHECK(contextual < none);
     CHECK(none > 240);
+    // Factors alone, twice as light as they say, unless told otherwise.
+    const auto picture = [&](Arguments more) {
+        more.insert(more.end(), {"-o", "a.png"});
+        render(more);
+        return dfield::read_png(scene.folder() / "a.png").rgb;
+    };
+    CHECK(picture({"--unshaded"}) == cut.rgb);
+    CHECK(picture({"--shading", "both"}) != cut.rgb);
+    CHECK(picture({"--shading", "local"}) == picture({"--shading", "both", "--ao", "none"}));
+    CHECK(picture({"--shading", "local"}) != picture({"--unshaded", "--ao", "none"}));
+    render({"-o", "dim.png", "--gain", "1"});
+    const int dim = dfield::read_png(scene.folder() / "dim.png").at(30, 20)[0];
+    CHECK(contextual <= 2 * dim + 1);  // less where twice the factors is more than 1
+    CHECK(contextual > 1.6 * dim);
 }
 
 TEST_CASE("volume lao and cao refuse what makes no sense") {

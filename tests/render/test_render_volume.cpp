@@ -274,6 +274,8 @@ TEST_CASE("local shading and visibility of volumes multiply their colours") {
     CHECK(grey(ramp, {.local = true, .ambient = 0.2f, .light = {-3, 3, 0}}) == Approx(255 * 0.2).margin(2));
     CHECK(grey(flat, {.local = true, .ambient = 0.2f}) == Approx(255).margin(1));  // no gradient, no shading
     CHECK(grey(ramp, {.visibility = half}) == Approx(127.5).margin(1));
+    CHECK(grey(ramp, {.visibility = half, .visibility_gain = 1.5f}) == Approx(255 * 0.75).margin(1));
+    CHECK(grey(ramp, {.visibility = half, .visibility_gain = 3}) == Approx(255).margin(1));
 }
 
 TEST_CASE("the whole volume is in the default camera's picture, and fills it") {
