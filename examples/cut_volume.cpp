@@ -170,7 +170,7 @@ void run(const std::string& prefix, int frames) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 3) {
+    if (argc != 3 || std::atoi(argv[2]) < 1) {
         std::fprintf(stderr, "usage: cut_volume PICTURE-PREFIX FRAMES\n");
         return 2;
     }

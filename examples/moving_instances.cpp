@@ -127,7 +127,7 @@ void run(const std::string& prefix, int frames, const std::vector<std::string>& 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 4) {
+    if (argc < 4 || std::atoi(argv[2]) < 1) {
         std::fprintf(stderr, "usage: moving_instances PICTURE-PREFIX FRAMES FILE.dfield ...\n");
         return 2;
     }

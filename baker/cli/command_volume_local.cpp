@@ -208,7 +208,7 @@ void add_volume_lao_command(CLI::App& volume) {
     add_shared(*lao, *command);
     lao->add_flag("--approximate", command->local.approximate,
                   "Long rays faster and not exact: far samples are taken in pairs and fours, and air is "
-                  "interpolated; 3e-4 to 1.3e-3 off (RMS)")
+                  "interpolated; 4e-4 to 1.3e-3 off (RMS)")
         ->group("Local ambient occlusion");
     lao->footer(
         "gsamples_per_s counts all samples whose opacity matters, taken or skipped: a ray's last does not.");

@@ -302,6 +302,37 @@ TEST_CASE("A mask has the voxels that rays reach a clip from, and few more", "[v
                 }
 }
 
+TEST_CASE("Masks miss nothing of a mesh so far from its origin that depths are coarse",
+          "[volume][contextual]") {
+    // Depths are multiples of a quarter here, 8 or 16 voxels, or half of that; masks have a voxel or two
+    // to spare.
+    constexpr float kAway = 0x1p21f;
+    const Context context;
+    const ClipMesh box = clip_mesh(context, box_mesh({-1, -1, kAway - 1}, {1, 1, kAway + 1}));
+    Cut scene;
+    scene.volume = {{16, 12, 168}, models::kUnitSpacing, std::vector<float>(16 * 12 * 168, 60.0f)};
+    scene.mask = DFIELD_UPDATE_DILATED;
+    for (const dfield_clip_mode mode : {DFIELD_CLIP_SUBTRACT, DFIELD_CLIP_PROBE})
+        for (const float half : {32.0f, 64.0f})
+            for (std::uint32_t samples = 3; samples < 10; samples += 2)
+                for (const float step : {0.7f, 1.0f, 1.15f}) {
+                    scene.local = local_desc(6, samples);
+                    scene.local.step = step;
+                    Contextual session(context, scene.desc());
+                    session.update();
+                    dfield_clip clip{box.get(), static_cast<std::uint32_t>(mode), {}};
+                    for (int axis = 0; axis < 3; ++axis) clip.mesh_to_world[5 * axis] = half;
+                    clip.mesh_to_world[12] = 8;
+                    clip.mesh_to_world[13] = 6;
+                    clip.mesh_to_world[14] = 80 - half * kAway;  // no rounding
+                    clip.mesh_to_world[15] = 1;
+                    scene.clips = {{session.add(clip), clip}};
+                    session.update();
+                    INFO("mode " << mode << " half " << half << " samples " << samples << " step " << step);
+                    CHECK(scene.wrong(context, session.visibility()) == 0);
+                }
+}
+
 TEST_CASE("A mesh that grows and shrinks is followed by its mask", "[volume][contextual]") {
     const Context context;
     const Meshes meshes(context);

@@ -69,8 +69,8 @@ typedef struct dfield_local_desc {
        five or six pairs and then fours as if all of a group had the opacity in its middle; and where the
        first samples meet nothing rays are walked for every second row and slice alone, between which A is
        interpolated. No group is longer than four voxels: steps longer than one have pairs alone, and rays
-       whose steps are longer than two are exact. With 40 or 50 samples a voxel apart A differs by 3e-4 to
-       1.3e-3 (RMS), the less the smoother the volume is, and by 0.05 at single voxels; twice as much with
+       whose steps are longer than two are exact. With 40 or 50 samples a voxel apart A differs by 4e-4 to
+       1.3e-3 (RMS), the less the smoother the volume is, and by 0.05 at single voxels; a third more with
        steps of two voxels. What it gains grows with M and with the share of air. Not with jitter, not in
        sessions (contextual.h). 0, the default: exact. */
     uint32_t approximate;
